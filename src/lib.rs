@@ -1,6 +1,7 @@
 //! gnomon
 pub mod camera;
 pub mod catalogue;
+pub mod conformance;
 pub mod depth;
 pub mod device;
 pub mod error;
@@ -8,5 +9,6 @@ pub mod light;
 pub mod num;
 pub mod raster;
 pub mod scene;
+pub mod shadow;
 pub mod view;
 pub use error::{Error, Result};

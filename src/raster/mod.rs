@@ -5,6 +5,7 @@
 //! format whose encode is monotone.
 
 mod clip;
+pub mod passes;
 mod plane;
 mod triangle;
 
