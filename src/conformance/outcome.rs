@@ -97,6 +97,14 @@ impl Tally {
         });
     }
 
+    /// Compares two f64 bit by bit (zeros of either sign are equal).
+    pub(super) fn double(&mut self, place: impl FnOnce() -> String, expected: f64, found: f64) {
+        self.record(expected == found, place, || {
+            let hex = |x: f64| format!("{x:e} ({:#018x})", x.to_bits());
+            format!("expected {}, found {}", hex(expected), hex(found))
+        });
+    }
+
     /// Compares two whole numbers.
     pub(super) fn integer(
         &mut self,

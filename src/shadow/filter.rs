@@ -1,6 +1,6 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
-use super::{ShadowMap, Texels};
+use super::{ShadowMap, Texels, sampler};
 use crate::device::{Device, NearestCoord};
 use crate::scene::{Filter, TexelFormat, Wrap};
 
@@ -70,7 +70,7 @@ impl ShadowMap {
     pub fn nearest(&self, device: &Device, wrap: Wrap, u: f32, v: f32) -> u32 {
         let fixed = device.nearest == NearestCoord::Fixed16
             && matches!(self.format, TexelFormat::Packed(_));
-        let axis = |c: f32| nearest_texel(c, self.size, wrap, fixed);
+        let axis = |c: f32| sampler::nearest_texel(c, self.size, wrap, fixed);
         axis(v) * self.size + axis(u)
     }
 
@@ -81,59 +81,10 @@ impl ShadowMap {
         else {
             return 0.0;
         };
-        packing.unpack(linear_bytes(bytes, self.size, device, wrap, u, v))
+        let scale = device.load.value(1, 255);
+        packing.unpack(std::array::from_fn(|c| {
+            let fetch = |x: u32, y: u32| f32::from(bytes[(y * self.size + x) as usize][c]);
+            sampler::linear(fetch, [self.size; 2], wrap, [u, v]) * scale
+        }))
     }
-}
-
-/// The texel index along one axis.
-fn nearest_texel(c: f32, size: u32, wrap: Wrap, fixed16: bool) -> u32 {
-    let last = i64::from(size) - 1;
-    if fixed16 {
-        let fixed = match wrap {
-            Wrap::Clamp => ((c * 65_536.0) as i64).clamp(0, 65_535),
-            Wrap::Repeat => (c * 65_536.0) as i64 & 0xffff,
-        };
-        return (fixed * i64::from(size) >> 16) as u32;
-    }
-    let index = match wrap {
-        Wrap::Clamp => (c * size as f32) as i64,
-        Wrap::Repeat => ((c - c.floor()) * size as f32) as i64,
-    };
-    index.clamp(0, last) as u32
-}
-
-/// Four channels at (u, v) of a square RGBA8 texture under LINEAR, in [0,1].
-fn linear_bytes(
-    bytes: &[[u8; 4]],
-    size: u32,
-    device: &Device,
-    wrap: Wrap,
-    u: f32,
-    v: f32,
-) -> [f32; 4] {
-    let ([x0, x1], fx) = linear_axis(u, size, wrap);
-    let ([y0, y1], fy) = linear_axis(v, size, wrap);
-    let at = |x: u32, y: u32, c: usize| f32::from(bytes[(y * size + x) as usize][c]);
-    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let scale = device.load.value(1, 255);
-    std::array::from_fn(|c| {
-        let low = mix(at(x0, y0, c), at(x1, y0, c), fx);
-        let high = mix(at(x0, y1, c), at(x1, y1, c), fx);
-        mix(low, high, fy) * scale
-    })
-}
-
-/// The two texels along one axis and the weight of the second.
-fn linear_axis(c: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
-    let wrapped = match wrap {
-        Wrap::Clamp => c,
-        Wrap::Repeat => c - c.floor(),
-    };
-    let position = wrapped * size as f32 - 0.5;
-    let base = position.floor();
-    let index = |i: i64| match wrap {
-        Wrap::Clamp => i.clamp(0, i64::from(size) - 1) as u32,
-        Wrap::Repeat => i.rem_euclid(i64::from(size)) as u32,
-    };
-    ([index(base as i64), index(base as i64 + 1)], position - base)
 }

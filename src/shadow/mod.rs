@@ -2,6 +2,7 @@
 
 mod filter;
 mod lookup;
+pub mod sampler;
 
 use crate::depth::DepthFormat;
 use crate::device::Device;
