@@ -5,3 +5,4 @@ pub mod error;
 pub mod num;
 pub use error::{Error, Result};
 pub mod scene;
+pub mod truth;
