@@ -1,8 +1,13 @@
 //! gnomon
+pub mod camera;
 pub mod catalogue;
 pub mod depth;
+pub mod device;
 pub mod error;
+pub mod light;
 pub mod num;
-pub use error::{Error, Result};
+pub mod raster;
 pub mod scene;
 pub mod truth;
+pub mod view;
+pub use error::{Error, Result};
