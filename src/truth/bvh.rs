@@ -94,10 +94,7 @@ impl Tracer {
     fn padded_box(&self, leaf: &Leaf) -> Aabb {
         let (low, high) = bounds(leaf.corners.iter());
         let pad = DVec3::splat(PAD);
-        Aabb::new(
-            (self.box_space(low) - pad).as_vec3a(),
-            (self.box_space(high) + pad).as_vec3a(),
-        )
+        Aabb::new((self.box_space(low) - pad).as_vec3a(), (self.box_space(high) + pad).as_vec3a())
     }
 
     fn box_space(&self, p_world: DVec3) -> DVec3 {

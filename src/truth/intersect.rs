@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::orient::{orient2d, orient3d, sign};
+use super::orient::{LARGEST, orient2d, orient3d, sign};
 
 /// Half an ulp of 1: the relative error of one f64 operation.
 const U: f64 = f64::EPSILON / 2.0;
@@ -13,7 +13,7 @@ const U: f64 = f64::EPSILON / 2.0;
 const FILTER: f64 = 9.0 * U;
 
 /// Permanents below this may be falsified by underflow, so the filter does not trust them:
-/// with |coordinates| below 2^300 an underflow adds less than 2^-770, far below U * 2^-700.
+/// with |coordinates| up to 2^200 an underflow adds less than 2^-870, far below U * 2^-700.
 const TINY: f64 = f64::from_bits((1023 - 700) << 52);
 
 /// A segment from a receiver to a light end, with what every test of it needs.
@@ -84,9 +84,11 @@ impl Segment {
         self.along.length()
     }
 
-    /// Whether both ends coincide or a coordinate is not a number: nothing can be said then.
+    /// Whether both ends coincide, or a coordinate is not a number or absurd (above 2^200):
+    /// nothing is said then.
     pub(super) fn is_void(&self) -> bool {
-        self.from == self.to || !self.along.is_finite()
+        let sane = |p: DVec3| p.is_finite() && p.abs().max_element() <= LARGEST;
+        self.from == self.to || !sane(self.from) || !sane(self.to)
     }
 
     /// Clamps to the part whose |coordinates| after `map` stay below 2; none where there is no

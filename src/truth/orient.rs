@@ -9,7 +9,7 @@ pub(super) type Sign = Option<i8>;
 /// Non-zero coordinates between these need no scaling: products of three differences and all
 /// their rounding tails then neither overflow nor underflow (Shewchuk 1997, `predicates.c`).
 const SMALLEST: f64 = f64::from_bits((1023 - 142) << 52);
-const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
+pub(super) const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
 
 /// The sign of `det(a - d, b - d, c - d)`: positive if `a`, `b`, `c` turn counter-clockwise seen
 /// from the side that `d` is not on. Exact.

@@ -2,6 +2,8 @@
 //!
 //! Coordinates are integers with |x| <= 64, so every number below fits i128.
 
+#![allow(unreachable_pub, reason = "shared by test binaries")]
+
 use gnomon::scene::Geometry;
 
 pub type Point = [i128; 3];

@@ -1,5 +1,5 @@
 //! Meshes and random numbers for tests of the truth.
-#![allow(dead_code, reason = "every test binary uses a part of it")]
+#![allow(dead_code, unreachable_pub, reason = "every test binary uses a part of it")]
 
 use std::collections::HashMap;
 
