@@ -10,5 +10,6 @@ pub mod num;
 pub mod raster;
 pub mod scene;
 pub mod shadow;
+pub mod truth;
 pub mod view;
 pub use error::{Error, Result};
