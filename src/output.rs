@@ -72,6 +72,7 @@ pub fn publish_with(
     let _lock = Lock::acquire(folder)?;
     recover_with(layer, folder)?;
     let plan = Plan::new(folder, files);
+    plan.clear(layer, folder);
     let staged = plan.stage(layer, folder, files).and_then(|()| plan.keep_old(layer, folder));
     if let Err(error) = staged {
         plan.clear(layer, folder);
@@ -174,7 +175,7 @@ impl Plan {
             }
             layer.link(&target, &kept).map_err(|e| Error::write(&kept, e))?;
         }
-        let (journal, staged) = (folder.join(JOURNAL), folder.join(format!("{JOURNAL}.tmp")));
+        let (journal, staged) = (folder.join(JOURNAL), beside(folder, JOURNAL, "new"));
         let text = serde_json::to_vec(self).expect("a list of names is JSON");
         layer
             .write(&staged, &text)
@@ -227,19 +228,16 @@ impl Plan {
         Ok(())
     }
 
-    /// Removes temporary files; one that stays is harmless and is replaced by the next run.
+    /// Removes temporary files, those of a killed process too; one that stays is harmless.
     fn clear(&self, layer: &dyn FileLayer, folder: &Path) {
-        for name in self.written().chain(&self.removed) {
-            for kind in ["new", "old"] {
-                let path = beside(folder, name, kind);
-                if path.exists() {
-                    let _ = layer.remove(&path);
-                }
+        let entries = self.folders(folder).into_iter().filter_map(|path| fs::read_dir(path).ok());
+        for path in entries.flatten().flatten().map(|entry| entry.path()) {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if name.starts_with('.')
+                && [".new.tmp", ".old.tmp"].iter().any(|end| name.ends_with(end))
+            {
+                let _ = layer.remove(&path);
             }
-        }
-        let staged = folder.join(format!("{JOURNAL}.tmp"));
-        if staged.exists() {
-            let _ = layer.remove(&staged);
         }
     }
 }

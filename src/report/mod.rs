@@ -21,7 +21,7 @@ pub use heatmap::HeatMap;
 pub use image::Picture;
 pub use index::write_index;
 pub use palette::Colour;
-pub use plot::{Axis, Marker, Plot, Scale, Series, Style};
+pub use plot::{Axis, Marker, Plot, Scale, Series, Size, Style};
 pub use table::{Cell, Column, Table};
 pub use write::Written;
 

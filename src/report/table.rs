@@ -90,7 +90,7 @@ impl Cell {
         match self {
             Self::Integer(value) => number::grouped(*value),
             Self::Number(value, digits) => number::pretty(*value, *digits),
-            Self::Percent(value) => number::percent(*value, 3),
+            Self::Percent(value) => format!("{}\u{a0}%", number::pretty(*value * 100.0, 3)),
             _ => self.to_text(),
         }
     }

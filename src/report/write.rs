@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::{Block, Report, page};
+use super::{Block, Report, Size, page};
 use crate::Result;
 use crate::output::{self, Manifest, OutFile};
 
@@ -97,8 +97,15 @@ impl Report {
     }
 
     fn figures(&self) -> BTreeMap<&str, Figure> {
-        let blocks: Vec<_> = self.blocks().filter_map(|block| Some((block.id()?, block))).collect();
-        blocks.into_par_iter().map(|(id, block)| (id, figure(id, block))).collect()
+        let sized = |block| match block {
+            &Block::Row(_) => (block, Size::Half),
+            _ => (block, Size::Whole),
+        };
+        let blocks = self.sections.iter().flat_map(|section| &section.blocks).map(sized);
+        let blocks =
+            blocks.flat_map(|(block, size)| block.flat().into_iter().map(move |b| (b, size)));
+        let named: Vec<_> = blocks.filter_map(|(b, size)| Some((b.id()?, b, size))).collect();
+        named.into_par_iter().map(|(id, block, size)| (id, figure(id, block, size))).collect()
     }
 
     /// What an index over reports shows.
@@ -128,13 +135,13 @@ impl Report {
     }
 }
 
-fn figure(id: &str, block: &Block) -> Figure {
+fn figure(id: &str, block: &Block, size: Size) -> Figure {
     let file = |name, bytes: Vec<u8>| OutFile { name, bytes };
     match block {
         Block::Table(table) => csv(id, table.to_csv()),
         Block::HeatMap(map) => csv(id, map.to_table().to_csv()),
         Block::Plot(plot) => {
-            let (svg, png) = rayon::join(|| plot.to_svg(), || plot.to_png());
+            let (svg, png) = rayon::join(|| plot.to_svg(size), || plot.to_png(size));
             let files = vec![
                 file(format!("plots/{id}.svg"), svg.clone().into_bytes()),
                 file(format!("plots/{id}.png"), png),

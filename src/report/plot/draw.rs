@@ -5,9 +5,9 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::layout::{self, Layout, MARGIN, Placed, ROW, SWATCH, TEXT, TITLE, WIDTH, font};
+use super::layout::{self, Layout, MARGIN, Placed, ROW, SWATCH, TEXT, TITLE, font};
 use super::ruler::Ruler;
-use super::{Plot, Series, Style};
+use super::{Plot, Series, Size, Style};
 use crate::report::image;
 use crate::report::palette::Colour;
 
@@ -27,50 +27,55 @@ struct Figure<'a> {
     layout: Layout,
 }
 
-pub(super) fn svg(plot: &Plot) -> String {
-    let figure = Figure::new(plot);
+pub(super) fn svg(plot: &Plot, size: Size) -> String {
+    let figure = Figure::new(plot, size);
     let mut text = String::new();
-    let area =
-        SVGBackend::with_string(&mut text, (WIDTH, figure.layout.height)).into_drawing_area();
+    let size = (figure.layout.width, figure.layout.height);
+    let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
     figure.draw(&area).expect("drawing into a string cannot fail");
     drop(area);
     text
 }
 
-pub(super) fn png(plot: &Plot) -> Vec<u8> {
-    let figure = Figure::new(plot);
-    let height = figure.layout.height;
-    let mut pixels = vec![0; (WIDTH * height * 3) as usize];
-    let area = BitMapBackend::with_buffer(&mut pixels, (WIDTH, height)).into_drawing_area();
+pub(super) fn png(plot: &Plot, size: Size) -> Vec<u8> {
+    let figure = Figure::new(plot, size);
+    let (width, height) = (figure.layout.width, figure.layout.height);
+    let mut pixels = vec![0; (width * height * 3) as usize];
+    let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
     figure.draw(&area).expect("drawing into memory cannot fail");
     drop(area);
-    image::png(WIDTH, height, &pixels, ExtendedColorType::Rgb8)
+    image::png(width, height, &pixels, ExtendedColorType::Rgb8)
 }
 
 impl<'a> Figure<'a> {
-    fn new(plot: &'a Plot) -> Self {
+    fn new(plot: &'a Plot, size: Size) -> Self {
+        let width = size.width();
         let points = || plot.series.iter().flat_map(|series| &series.points);
         let marked = plot.markers.iter().map(|marker| marker.x);
         let x = Ruler::new(&plot.x, points().map(|p| p.0).chain(marked));
         let y = Ruler::new(&plot.y, points().map(|p| p.1));
         let widest = y.ticks.iter().map(|(_, label)| layout::width(label, TEXT)).max().unwrap_or(0);
         let left = widest + 24 + if plot.y.label.is_empty() { 0 } else { TEXT + 24 };
-        let (start, end) = (MARGIN + left, WIDTH - 2 * MARGIN);
+        let (start, end) = (MARGIN + left, width - 2 * MARGIN);
         let pixel = |t: f64| {
             let share = (t - x.low) / (x.high - x.low);
             (0.0..=1.0).contains(&share).then(|| start + (share * f64::from(end - start)) as u32)
         };
         let xs: Vec<_> = plot.markers.iter().map(|m| x.place(m.x).and_then(pixel)).collect();
-        let markers = layout::markers(&plot.markers, &xs, start, WIDTH - MARGIN);
+        let markers = layout::markers(&plot.markers, &xs, start, width - MARGIN);
         let marker_rows = markers.iter().map(|label| label.row + 1).max().unwrap_or(0);
-        let layout = Layout::new(plot, marker_rows);
+        let layout = Layout::new(plot, size, marker_rows);
         Self { plot, x, y, left, markers, marker_rows, layout }
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         area.fill(&WHITE)?;
         let title = ink(TITLE).pos(Pos::new(HPos::Center, VPos::Center));
-        area.draw_text(&self.plot.title, &title, (WIDTH as i32 / 2, self.layout.title as i32 / 2))?;
+        area.draw_text(
+            &self.plot.title,
+            &title,
+            (self.layout.width as i32 / 2, self.layout.title as i32 / 2),
+        )?;
         let bottom = self.layout.title + self.layout.chart;
         let (upper, _) = area.split_vertically(bottom);
         let (_, middle) = upper.split_vertically(self.layout.title);
@@ -186,7 +191,7 @@ impl<'a> Figure<'a> {
 
     /// Width of one pixel in placed units of the x axis.
     fn pitch(&self) -> f64 {
-        (self.x.high - self.x.low) / f64::from(WIDTH)
+        (self.x.high - self.x.low) / f64::from(self.layout.width)
     }
 
     /// The series in placed units, parted where a point has no place; dots outside go.

@@ -4,12 +4,8 @@ use std::sync::Once;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle};
 
-use super::{Marker, Plot};
+use super::{Marker, Plot, Size};
 
-/// Width of every figure, in pixels; the page shows it at half that.
-pub(super) const WIDTH: u32 = 1520;
-/// Height of the plot with its axes.
-const CHART: u32 = 800;
 /// Text size.
 pub(super) const TEXT: u32 = 26;
 /// Title size.
@@ -20,6 +16,24 @@ pub(super) const ROW: u32 = 40;
 pub(super) const SWATCH: u32 = 60;
 /// Space left and right.
 pub(super) const MARGIN: u32 = 28;
+
+impl Size {
+    /// Width of the figure in pixels; the page shows it at about half that.
+    pub(super) const fn width(self) -> u32 {
+        match self {
+            Self::Whole => 1520,
+            Self::Half => 1040,
+        }
+    }
+
+    /// Height of the plot with its axes.
+    const fn chart(self) -> u32 {
+        match self {
+            Self::Whole => 800,
+            Self::Half => 660,
+        }
+    }
+}
 
 /// A text at a place of the figure.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,6 +47,7 @@ pub(super) struct Placed {
 /// Heights of the parts, and the legend.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
+    pub(super) width: u32,
     pub(super) title: u32,
     pub(super) chart: u32,
     pub(super) legend: Vec<Placed>,
@@ -40,12 +55,13 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn new(plot: &Plot, marker_rows: u32) -> Self {
-        let legend = legend(plot);
+    pub(super) fn new(plot: &Plot, size: Size, marker_rows: u32) -> Self {
+        let width = size.width();
+        let legend = legend(plot, width);
         let rows = legend.last().map_or(0, |entry| entry.row + 1);
         let title = if plot.title.is_empty() { 12 } else { 2 * TITLE };
-        let chart = CHART + marker_rows * ROW;
-        Self { title, chart, legend, height: title + chart + rows * ROW + 20 }
+        let chart = size.chart() + marker_rows * ROW;
+        Self { width, title, chart, legend, height: title + chart + rows * ROW + 20 }
     }
 }
 
@@ -82,13 +98,13 @@ fn fitted(text: &str, room: u32) -> String {
 }
 
 /// Entries left to right, a new row where one would not fit.
-fn legend(plot: &Plot) -> Vec<Placed> {
+fn legend(plot: &Plot, wide: u32) -> Vec<Placed> {
     let (mut x, mut row) = (MARGIN, 0);
     let mut entries = Vec::new();
     for (index, series) in plot.series.iter().enumerate() {
-        let text = fitted(&series.name, WIDTH - 2 * MARGIN - SWATCH - 14);
+        let text = fitted(&series.name, wide - 2 * MARGIN - SWATCH - 14);
         let taken = SWATCH + 14 + width(&text, TEXT);
-        if x > MARGIN && x + taken + MARGIN > WIDTH {
+        if x > MARGIN && x + taken + MARGIN > wide {
             (x, row) = (MARGIN, row + 1);
         }
         entries.push(Placed { index, x, row, text });
@@ -97,43 +113,47 @@ fn legend(plot: &Plot) -> Vec<Placed> {
     entries
 }
 
-/// Labels of markers that stand at `x` pixels between `left` and `right`, from right to left: each
-/// beside its line in the lowest row where it touches no label and no line.
+/// Labels of markers that stand at `x` pixels between `left` and `right`, each beside its line in
+/// the lowest row where it touches no label and no line. Those that fit on the right of their line
+/// come first, from right to left, so that lines rise to the left of labels; the others follow from
+/// left to right, above them.
 pub(super) fn markers(
     markers: &[Marker],
     xs: &[Option<u32>],
     left: u32,
     right: u32,
 ) -> Vec<Placed> {
-    let mut order: Vec<(usize, u32)> =
-        xs.iter().enumerate().filter_map(|(index, x)| Some((index, (*x)?))).collect();
-    order.sort_by_key(|(index, x)| (u32::MAX - *x, *index));
+    let lines = xs.iter().enumerate().filter_map(|(index, x)| Some((index, (*x)?)));
+    let mut texts: Vec<(usize, u32, String)> =
+        lines.map(|(index, x)| (index, x, fitted(&markers[index].label, right - left))).collect();
+    texts.sort_by_key(|(index, x, text)| {
+        let fits = x + 8 + width(text, TEXT) <= right;
+        (!fits, if fits { u32::MAX - x } else { *x }, *index)
+    });
     let mut taken: Vec<Label> = Vec::new();
-    for (index, line) in order {
-        let text = fitted(&markers[index].label, right - left);
-        let wide = width(&text, TEXT);
-        // Right of the line, or left of it where the figure ends.
+    for (_, line, text) in &texts {
+        let wide = width(text, TEXT);
         let starts = [line + 8, line.saturating_sub(wide + 8)];
-        let fits = |start: &u32| *start >= left && start + wide <= right;
-        let starts: Vec<u32> = starts.into_iter().filter(fits).chain([right - wide]).collect();
-        let rows = 0..=taken.len() as u32;
-        let places = rows.flat_map(|row| starts.iter().map(move |start| (row, *start)));
-        let labels =
-            places.map(|(row, start)| Label { index, line, row, start, end: start + wide });
-        let labels: Vec<Label> = labels.collect();
+        let beside = starts.into_iter().find(|start| *start >= left && start + wide <= right);
+        let start = beside.unwrap_or(right.saturating_sub(wide));
+        let label = |row| Label { line: *line, row, start, end: start + wide };
+        let labels: Vec<Label> = (0..=texts.len() as u32).map(label).collect();
         let free = labels.iter().find(|label| taken.iter().all(|other| !label.meets(other)));
         taken.extend(free.or(labels.last()));
     }
-    let text = |index: usize| fitted(&markers[index].label, right - left);
-    let placed = |l: &Label| Placed { index: l.index, x: l.start, row: l.row, text: text(l.index) };
-    taken.iter().map(placed).collect()
+    let placed = |(label, (index, _, text)): (&Label, (usize, u32, String))| Placed {
+        index,
+        x: label.start,
+        row: label.row,
+        text,
+    };
+    taken.iter().zip(texts).map(placed).collect()
 }
 
 /// A marker's label, its row counted upwards from the plot, and the pixel column of its line,
 /// which reaches up to that row.
 #[derive(Clone, Copy)]
 struct Label {
-    index: usize,
     line: u32,
     row: u32,
     start: u32,

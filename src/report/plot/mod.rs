@@ -79,6 +79,15 @@ pub enum Style {
     Theory,
 }
 
+/// How much of the page's width a figure takes; the text stays as large.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// The page's width.
+    Whole,
+    /// Half of it, for figures side by side.
+    Half,
+}
+
 /// A vertical line at a value worth naming.
 #[derive(Clone, Debug, Default)]
 pub struct Marker {
@@ -119,14 +128,14 @@ impl Axis {
 impl Plot {
     /// The figure as a standalone SVG document.
     #[must_use]
-    pub fn to_svg(&self) -> String {
-        draw::svg(self)
+    pub fn to_svg(&self, size: Size) -> String {
+        draw::svg(self, size)
     }
 
     /// The figure as a PNG file, at twice the page's resolution.
     #[must_use]
-    pub fn to_png(&self) -> Vec<u8> {
-        draw::png(self)
+    pub fn to_png(&self, size: Size) -> Vec<u8> {
+        draw::png(self, size)
     }
 
     /// One sentence for people who cannot see the figure.
