@@ -1,0 +1,10 @@
+//! Analysis: every receiver judged against the truth, with the cause and the kind of each artifact.
+
+pub mod adjacency;
+pub mod classify;
+pub mod curve;
+pub mod interior;
+pub mod ladder;
+pub mod measure;
+pub mod observe;
+pub mod walk;
