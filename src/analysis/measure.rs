@@ -83,6 +83,64 @@ impl Tally {
     }
 }
 
+/// Acne away from every edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct InteriorTotal {
+    /// Truly lit interior receivers.
+    pub lit: u64,
+    /// Share of them dark at the case's bias.
+    pub acne_rate: f64,
+    /// Share of them dark without any bias.
+    pub acne_rate_without_bias: f64,
+}
+
+impl InteriorTotal {
+    fn of(tallies: &BTreeMap<String, Tally>) -> Self {
+        let sum = |count: fn(&Tally) -> u64| tallies.values().map(count).sum::<u64>();
+        let lit = sum(|t| t.lit);
+        let share = |n: u64| if lit == 0 { 0.0 } else { n as f64 / lit as f64 };
+        Self {
+            lit,
+            acne_rate: share(sum(|t| t.false_shadow)),
+            acne_rate_without_bias: share(sum(|t| t.false_shadow_without_bias)),
+        }
+    }
+}
+
+/// Light inside shadows, away from every edge.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ShadowInterior {
+    /// Truly shadowed interior receivers, facing the light or away from it.
+    pub receivers: u64,
+    /// Of them: lit, at least partly.
+    pub leaks: u64,
+    /// Their share.
+    pub leak_rate: f64,
+    /// Leaks by the receiver's object.
+    pub leaks_by_object: BTreeMap<String, u64>,
+}
+
+impl ShadowInterior {
+    fn of<'o>(case: &Case, interior: impl Iterator<Item = &'o Observation>) -> Self {
+        let name = |o: &Observation| case.objects[usize::from(o.object)].name.clone();
+        let mut found = Self {
+            leaks_by_object: case.objects.iter().map(|o| (o.name.clone(), 0)).collect(),
+            ..Self::default()
+        };
+        for o in interior.filter(|o| matches!(o.answer.truth, Truth::Shadowed(_))) {
+            found.receivers += 1;
+            if o.visibility() > 0.0 {
+                found.leaks += 1;
+                *found.leaks_by_object.entry(name(o)).or_default() += 1;
+            }
+        }
+        if found.receivers > 0 {
+            found.leak_rate = found.leaks as f64 / found.receivers as f64;
+        }
+        found
+    }
+}
+
 /// Exact depth differences between truly shadowed receivers and their first occluder.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Gap {
@@ -142,6 +200,10 @@ pub struct Measurement {
     pub exact_gap: Option<Gap>,
     /// Receivers away from every edge, by object.
     pub interior: BTreeMap<String, Tally>,
+    /// The interior of all objects together.
+    pub interior_total: InteriorTotal,
+    /// Truly shadowed receivers away from every edge, those that face away from the light included.
+    pub shadow_interior: ShadowInterior,
     /// All receivers, by object.
     pub by_object: BTreeMap<String, Tally>,
     /// Objects whose whole shadow is gone although it covers counted receivers.
@@ -193,8 +255,10 @@ fn summarize(
     let [lit, shadowed] = curve.populations();
     let thresholds = Thresholds::of(observations);
     let inside = interior(observer, observations);
-    let interior =
-        by_object(case, observations.iter().zip(inside).filter(|(_, i)| *i).map(|(o, _)| o));
+    let interior: Vec<&Observation> =
+        observations.iter().zip(inside).filter(|(_, inside)| *inside).map(|(o, _)| o).collect();
+    let shadow_interior = ShadowInterior::of(case, interior.iter().copied());
+    let interior = by_object(case, interior.into_iter());
     let mut measurement = Measurement {
         name: case.name.clone(),
         document: case.document.clone(),
@@ -214,7 +278,9 @@ fn summarize(
         headroom: thresholds.headroom(),
         thresholds,
         exact_gap: exact_gap(observations),
+        interior_total: InteriorTotal::of(&interior),
         interior,
+        shadow_interior,
         by_object: by_object(case, observations.iter()),
         lost_shadows: lost_shadows(observer, observations),
         peter_panning: peter_panning(observer, observations),

@@ -3,6 +3,8 @@
 pub mod adjacency;
 pub mod classify;
 pub mod curve;
+pub mod documents;
+pub mod explain;
 pub mod interior;
 pub mod ladder;
 pub mod measure;
