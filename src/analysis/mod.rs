@@ -8,5 +8,6 @@ pub mod explain;
 pub mod interior;
 pub mod ladder;
 pub mod measure;
+pub mod measurement;
 pub mod observe;
 pub mod walk;
