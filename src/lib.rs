@@ -8,6 +8,7 @@ pub mod light;
 pub mod num;
 pub mod raster;
 pub mod scene;
+pub mod simd;
 pub mod truth;
 pub mod view;
 pub use error::{Error, Result};

@@ -1,0 +1,169 @@
+//! Receivers sorted into the cells of a light-space grid: a stable counting sort.
+
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::super::Receiver;
+use super::frame::Frame;
+
+/// Vectors read this many receivers at once, so arrays are padded by as many.
+pub(super) const LANES: usize = 16;
+
+/// Cells per side of a block, over which the farthest receiver is known.
+pub(super) const BLOCK: usize = 8;
+
+/// Structure of arrays over the receivers of one frame, in the order of their cells.
+#[derive(Debug, Default)]
+pub(super) struct Bins {
+    /// Grid position, rounded to f32.
+    pub(super) x: Vec<f32>,
+    pub(super) y: Vec<f32>,
+    /// Depth towards the light, rounded to f32.
+    pub(super) depth: Vec<f32>,
+    /// The receiver's own triangle.
+    pub(super) own: Vec<u32>,
+    /// Index of the receiver in the caller's slice.
+    pub(super) index: Vec<u32>,
+    /// First receiver of each cell, row by row; one more at the end.
+    pub(super) start: Vec<u32>,
+    /// The smallest depth in each block of cells: its farthest receiver. Infinite where empty.
+    pub(super) farthest: Vec<f32>,
+    pub(super) cells: usize,
+}
+
+/// A receiver before sorting.
+#[derive(Clone, Copy, Default)]
+struct Placed {
+    x: f32,
+    y: f32,
+    depth: f32,
+    cell: u32,
+}
+
+impl Bins {
+    /// Sorts the receivers named by `members`.
+    pub(super) fn new(frame: &Frame, receivers: &[Receiver], members: &[u32]) -> Self {
+        let cells = frame.cells;
+        let chunk = members.len().div_ceil(rayon::current_num_threads()).max(1);
+        let placed = placed(frame, receivers, members, chunk);
+        let (start, mut cursors) = offsets(&placed, chunk, cells * cells);
+        let order = sorted(&placed, chunk, &mut cursors);
+        let mut bins = Self { start, cells, ..Self::default() };
+        bins.fill(&order, &placed, receivers, members);
+        bins.farthest = bins.farthest_by_block();
+        bins
+    }
+
+    /// Blocks along one axis.
+    pub(super) fn blocks(&self) -> usize {
+        self.cells.div_ceil(BLOCK)
+    }
+
+    /// Number of receivers.
+    pub(super) fn len(&self) -> usize {
+        self.index.len()
+    }
+
+    fn fill(
+        &mut self,
+        order: &[AtomicU32],
+        placed: &[Placed],
+        receivers: &[Receiver],
+        members: &[u32],
+    ) {
+        let n = order.len();
+        self.index = vec![0; n];
+        (self.x, self.y) = (vec![0.0; n + LANES], vec![0.0; n + LANES]);
+        (self.depth, self.own) = (vec![0.0; n + LANES], vec![0; n + LANES]);
+        let outputs = (
+            &mut self.index,
+            &mut self.x[..n],
+            &mut self.y[..n],
+            &mut self.depth[..n],
+            &mut self.own[..n],
+        );
+        (order, outputs.0, outputs.1, outputs.2, outputs.3, outputs.4)
+            .into_par_iter()
+            .with_min_len(4096)
+            .for_each(|(k, index, x, y, depth, own)| {
+                let k = k.load(Relaxed) as usize;
+                let at = placed[k];
+                *index = members[k];
+                (*x, *y, *depth) = (at.x, at.y, at.depth);
+                *own = receivers[members[k] as usize].triangle;
+            });
+    }
+
+    fn farthest_by_block(&self) -> Vec<f32> {
+        let blocks = self.blocks();
+        let mut farthest = vec![f32::INFINITY; blocks * blocks];
+        for row in 0..self.cells {
+            for column in (0..self.cells).step_by(BLOCK) {
+                let end = (column + BLOCK).min(self.cells);
+                let run = self.run(row, column, end);
+                let least = self.depth[run].iter().copied().fold(f32::INFINITY, f32::min);
+                let block = &mut farthest[row / BLOCK * blocks + column / BLOCK];
+                *block = block.min(least);
+            }
+        }
+        farthest
+    }
+
+    /// Receivers of the cells `first..end` of a row.
+    #[inline(always)]
+    pub(super) fn run(&self, row: usize, first: usize, end: usize) -> std::ops::Range<usize> {
+        let base = row * self.cells;
+        self.start[base + first] as usize..self.start[base + end] as usize
+    }
+}
+
+/// Light-space places in the order of `members`.
+fn placed(frame: &Frame, receivers: &[Receiver], members: &[u32], chunk: usize) -> Vec<Placed> {
+    let cells = frame.cells;
+    let clamp = |x: f32| (x.max(0.0) as usize).min(cells - 1);
+    let mut placed = vec![Placed::default(); members.len()];
+    placed.par_chunks_mut(chunk).zip(members.par_chunks(chunk)).for_each(|(placed, members)| {
+        for (placed, &member) in placed.iter_mut().zip(members) {
+            let [x, y, depth] = frame.place(receivers[member as usize].position).map(|x| x as f32);
+            *placed = Placed { x, y, depth, cell: (clamp(y) * cells + clamp(x)) as u32 };
+        }
+    });
+    placed
+}
+
+/// Where each cell starts, and where each chunk's first receiver of each cell goes.
+fn offsets(placed: &[Placed], chunk: usize, cells: usize) -> (Vec<u32>, Vec<Vec<u32>>) {
+    let count = |placed: &[Placed]| {
+        let mut counts = vec![0_u32; cells];
+        placed.iter().for_each(|p| counts[p.cell as usize] += 1);
+        counts
+    };
+    let mut cursors: Vec<Vec<u32>> = placed.par_chunks(chunk).map(count).collect();
+    let mut start = Vec::with_capacity(cells + 1);
+    let mut sum = 0;
+    for cell in 0..cells {
+        start.push(sum);
+        for cursor in &mut cursors {
+            let counted = std::mem::replace(&mut cursor[cell], sum);
+            sum += counted;
+        }
+    }
+    start.push(sum);
+    (start, cursors)
+}
+
+/// For each place in the sorted order the position in `placed`. Places are disjoint between
+/// chunks; atomics only say so in safe code.
+fn sorted(placed: &[Placed], chunk: usize, cursors: &mut [Vec<u32>]) -> Vec<AtomicU32> {
+    let mut order = Vec::new();
+    order.resize_with(placed.len(), AtomicU32::default);
+    placed.par_chunks(chunk).zip(cursors).enumerate().for_each(|(c, (placed, cursor))| {
+        for (k, p) in placed.iter().enumerate() {
+            let place = &mut cursor[p.cell as usize];
+            order[*place as usize].store((c * chunk + k) as u32, Relaxed);
+            *place += 1;
+        }
+    });
+    order
+}
