@@ -38,19 +38,27 @@ struct Placed {
     x: f32,
     y: f32,
     depth: f32,
-    cell: u32,
+    own: u32,
+}
+
+impl Placed {
+    #[inline(always)]
+    fn cell(self, cells: usize) -> usize {
+        let clamp = |x: f32| (x.max(0.0) as usize).min(cells - 1);
+        clamp(self.y) * cells + clamp(self.x)
+    }
 }
 
 impl Bins {
-    /// Sorts the receivers named by `members`.
-    pub(super) fn new(frame: &Frame, receivers: &[Receiver], members: &[u32]) -> Self {
+    /// Sorts the receivers that `members` names.
+    pub(super) fn new(frame: &Frame, receivers: &[Receiver], members: Members) -> Self {
         let cells = frame.cells;
         let chunk = members.len().div_ceil(rayon::current_num_threads()).max(1);
         let placed = placed(frame, receivers, members, chunk);
-        let (start, mut cursors) = offsets(&placed, chunk, cells * cells);
-        let order = sorted(&placed, chunk, &mut cursors);
+        let (start, mut cursors) = offsets(&placed, chunk, cells);
+        let order = sorted(&placed, chunk, cells, &mut cursors);
         let mut bins = Self { start, cells, ..Self::default() };
-        bins.fill(&order, &placed, receivers, members);
+        bins.fill(order, &placed, members);
         bins.farthest = bins.farthest_by_block();
         bins
     }
@@ -60,39 +68,20 @@ impl Bins {
         self.cells.div_ceil(BLOCK)
     }
 
-    /// Number of receivers.
-    pub(super) fn len(&self) -> usize {
-        self.index.len()
-    }
-
-    fn fill(
-        &mut self,
-        order: &[AtomicU32],
-        placed: &[Placed],
-        receivers: &[Receiver],
-        members: &[u32],
-    ) {
-        let n = order.len();
-        self.index = vec![0; n];
-        (self.x, self.y) = (vec![0.0; n + LANES], vec![0.0; n + LANES]);
-        (self.depth, self.own) = (vec![0.0; n + LANES], vec![0; n + LANES]);
-        let outputs = (
-            &mut self.index,
-            &mut self.x[..n],
-            &mut self.y[..n],
-            &mut self.depth[..n],
-            &mut self.own[..n],
-        );
-        (order, outputs.0, outputs.1, outputs.2, outputs.3, outputs.4)
-            .into_par_iter()
-            .with_min_len(4096)
-            .for_each(|(k, index, x, y, depth, own)| {
-                let k = k.load(Relaxed) as usize;
-                let at = placed[k];
-                *index = members[k];
-                (*x, *y, *depth) = (at.x, at.y, at.depth);
-                *own = receivers[members[k] as usize].triangle;
-            });
+    fn fill(&mut self, order: Vec<AtomicU32>, placed: &[Placed], members: Members) {
+        self.index = order.into_iter().map(AtomicU32::into_inner).collect();
+        let take = |field: fn(&Placed) -> f32| {
+            let sorted = self.index.par_iter().with_min_len(1 << 16);
+            let mut values = Vec::with_capacity(self.index.len() + LANES);
+            sorted.map(|&k| field(&placed[k as usize])).collect_into_vec(&mut values);
+            values.resize(self.index.len() + LANES, 0.0);
+            values
+        };
+        (self.x, self.y, self.depth) = (take(|p| p.x), take(|p| p.y), take(|p| p.depth));
+        self.own = self.index.par_iter().map(|&k| placed[k as usize].own).collect();
+        if let Members::Some(members) = members {
+            self.index.par_iter_mut().for_each(|k| *k = members[*k as usize]);
+        }
     }
 
     fn farthest_by_block(&self) -> Vec<f32> {
@@ -118,31 +107,55 @@ impl Bins {
     }
 }
 
-/// Light-space places in the order of `members`.
-fn placed(frame: &Frame, receivers: &[Receiver], members: &[u32], chunk: usize) -> Vec<Placed> {
-    let cells = frame.cells;
-    let clamp = |x: f32| (x.max(0.0) as usize).min(cells - 1);
-    let mut placed = vec![Placed::default(); members.len()];
-    placed.par_chunks_mut(chunk).zip(members.par_chunks(chunk)).for_each(|(placed, members)| {
-        for (placed, &member) in placed.iter_mut().zip(members) {
-            let [x, y, depth] = frame.place(receivers[member as usize].position).map(|x| x as f32);
-            *placed = Placed { x, y, depth, cell: (clamp(y) * cells + clamp(x)) as u32 };
+/// The receivers of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Members<'a> {
+    /// All of so many.
+    All(usize),
+    /// Those with these indices.
+    Some(&'a [u32]),
+}
+
+impl Members<'_> {
+    pub(super) fn len(self) -> usize {
+        match self {
+            Self::All(len) => len,
+            Self::Some(members) => members.len(),
         }
-    });
+    }
+
+    #[inline(always)]
+    pub(super) fn index(self, k: usize) -> usize {
+        match self {
+            Self::All(_) => k,
+            Self::Some(members) => members[k] as usize,
+        }
+    }
+}
+
+/// Light-space places in the order of `members`.
+fn placed(frame: &Frame, receivers: &[Receiver], members: Members, chunk: usize) -> Vec<Placed> {
+    let place = |k: usize| {
+        let receiver = &receivers[members.index(k)];
+        let [x, y, depth] = frame.place(receiver.position).map(|x| x as f32);
+        Placed { x, y, depth, own: receiver.triangle }
+    };
+    let mut placed = Vec::new();
+    (0..members.len()).into_par_iter().with_min_len(chunk).map(place).collect_into_vec(&mut placed);
     placed
 }
 
 /// Where each cell starts, and where each chunk's first receiver of each cell goes.
 fn offsets(placed: &[Placed], chunk: usize, cells: usize) -> (Vec<u32>, Vec<Vec<u32>>) {
     let count = |placed: &[Placed]| {
-        let mut counts = vec![0_u32; cells];
-        placed.iter().for_each(|p| counts[p.cell as usize] += 1);
+        let mut counts = vec![0_u32; cells * cells];
+        placed.iter().for_each(|p| counts[p.cell(cells)] += 1);
         counts
     };
     let mut cursors: Vec<Vec<u32>> = placed.par_chunks(chunk).map(count).collect();
-    let mut start = Vec::with_capacity(cells + 1);
+    let mut start = Vec::with_capacity(cells * cells + 1);
     let mut sum = 0;
-    for cell in 0..cells {
+    for cell in 0..cells * cells {
         start.push(sum);
         for cursor in &mut cursors {
             let counted = std::mem::replace(&mut cursor[cell], sum);
@@ -155,12 +168,17 @@ fn offsets(placed: &[Placed], chunk: usize, cells: usize) -> (Vec<u32>, Vec<Vec<
 
 /// For each place in the sorted order the position in `placed`. Places are disjoint between
 /// chunks; atomics only say so in safe code.
-fn sorted(placed: &[Placed], chunk: usize, cursors: &mut [Vec<u32>]) -> Vec<AtomicU32> {
+fn sorted(
+    placed: &[Placed],
+    chunk: usize,
+    cells: usize,
+    cursors: &mut [Vec<u32>],
+) -> Vec<AtomicU32> {
     let mut order = Vec::new();
     order.resize_with(placed.len(), AtomicU32::default);
     placed.par_chunks(chunk).zip(cursors).enumerate().for_each(|(c, (placed, cursor))| {
         for (k, p) in placed.iter().enumerate() {
-            let place = &mut cursor[p.cell as usize];
+            let place = &mut cursor[p.cell(cells)];
             order[*place as usize].store((c * chunk + k) as u32, Relaxed);
             *place += 1;
         }

@@ -7,11 +7,16 @@
 //! coordinates `b`, `(X, Y, 1) = sum b v` and the depth is `sum b q`.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::super::{LightEnd, Receiver};
+use super::bins::Members;
 
 /// A receiver farther from the axis than this many times its height does not belong to the frame.
 const WIDEST: f64 = 4.0;
+
+/// Nor does one that is farther away than this many times the size of the scene.
+const FARTHEST: f64 = 1e3;
 
 /// One projection of a light, with its grid of cells.
 #[derive(Clone, Copy, Debug)]
@@ -86,19 +91,38 @@ impl Frame {
     }
 
     /// Whether a receiver can be seen in this frame.
+    #[inline(always)]
     pub(super) fn holds(&self, p_world: DVec3) -> bool {
-        let v = self.vertex(p_world).v;
+        let Vertex { v, q, .. } = self.vertex(p_world);
         let sideways = v.x.abs().max(v.y.abs());
-        if self.is_point { v.z > 1e-12 && sideways <= WIDEST * v.z } else { sideways.is_finite() }
+        if self.is_point {
+            v.z > 1e-12 && v.z < FARTHEST && sideways <= WIDEST * v.z
+        } else {
+            sideways < FARTHEST && q.abs() < FARTHEST
+        }
     }
 
-    /// The same frame with a grid of `cells * cells` over the given receivers, all held.
-    pub(super) fn with_grid(&self, points: impl Iterator<Item = DVec3>, cells: usize) -> Self {
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for p in points {
-            let [x, y, depth] = self.place(p);
-            (low, high) = (low.min(DVec3::new(x, y, depth)), high.max(DVec3::new(x, y, depth)));
-        }
+    /// The box around the places of the receivers; none unless all are held.
+    pub(super) fn survey(&self, receivers: &[Receiver], members: Members) -> Option<[DVec3; 2]> {
+        let nothing = || Some([DVec3::INFINITY, DVec3::NEG_INFINITY]);
+        let join = |a: Option<[DVec3; 2]>, b: Option<[DVec3; 2]>| {
+            let ([al, ah], [bl, bh]) = (a?, b?);
+            Some([al.min(bl), ah.max(bh)])
+        };
+        (0..members.len())
+            .into_par_iter()
+            .with_min_len(1 << 16)
+            .fold(nothing, |all, k| {
+                let p = receivers[members.index(k)].position;
+                let [low, high] = all?;
+                let at = DVec3::from_array(self.place(p));
+                self.holds(p).then(|| [low.min(at), high.max(at)])
+            })
+            .reduce(nothing, join)
+    }
+
+    /// The same frame with a grid of `cells * cells` over the box of its receivers.
+    pub(super) fn with_grid(&self, [low, high]: [DVec3; 2], cells: usize) -> Self {
         let size = (high - low).max(DVec3::splat(1e-5));
         // A little less than the whole grid, so that rounding stays inside.
         let (sx, sy) = (cells as f64 * 0.999 / size.x, cells as f64 * 0.999 / size.y);

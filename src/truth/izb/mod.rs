@@ -13,30 +13,31 @@
 //! triangles farther from the light than all receivers of their cells, and hits that lie, by more
 //! than their bounds, between the occluders already known.
 //!
-//! Cost: 40 bytes a triangle at most (12 where it can shadow something), 44 a vertex, 24 a receiver
-//! and 40 for its state, beside the answers.
+//! Memory: 60 bytes a vertex, 32 a receiver and 4 a cell beside the answers; nothing a triangle.
 
 mod bins;
 mod frame;
 mod setup;
 mod sweep;
 
-use std::ops::Range;
-
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::intersect::{Contact, Segment};
+use super::cover::Contacts;
+use super::intersect::{Contact, Meeting, Segment};
 use super::{Answer, LightEnd, Occlusion, Receiver, Tracer, Truth};
 use crate::scene::Geometry;
 use crate::simd::Level;
-use bins::Bins;
+use bins::{Bins, Members};
 use frame::Frame;
 use setup::Vertices;
-use sweep::{Band, Rare, Shared, State};
+use sweep::{Chunk, Found, Known, Shared, State};
 
 /// Receivers per cell, on average. Measured: below 1 the rows of cells cost, above 8 the tests.
 const PER_CELL: usize = 2;
+
+/// Triangles of one job of a thread.
+const CHUNK: u32 = 1 << 14;
 
 /// How the raster is run; no answer depends on it.
 #[derive(Clone, Copy, Debug)]
@@ -78,67 +79,49 @@ pub fn truths_with(
     light: LightEnd,
     options: Options,
 ) -> (Vec<Answer>, Work) {
-    let space = Space::new(geometry, receivers, light);
-    if !space.is_sane() {
-        return (Tracer::new(geometry).truths(receivers, light), Work::default());
-    }
+    let space = Space::new(geometry, light);
     let mut job = Job { geometry, receivers, light, space, options, work: Work::default() };
-    let axis = Frame::axis(light, receivers);
-    let frames = Frame::candidates(light, space.centre, 1.0 / space.size, axis);
     let mut answers = vec![Answer { truth: Truth::Lit, touching: 0 }; receivers.len()];
-    let mut members: Vec<u32> = (0..receivers.len() as u32).collect();
-    for frame in frames {
-        let held = |&r: &u32| frame.holds(receivers[r as usize].position);
-        let (inside, outside): (Vec<u32>, Vec<u32>) = members.par_iter().copied().partition(held);
-        job.run(&frame, &inside, &mut answers);
-        members = outside;
-        if members.is_empty() {
-            break;
-        }
-    }
-    if !members.is_empty() {
-        // At the light or not a number: too few to build anything for.
-        let arbiter = Tracer::brute_force(geometry);
-        for receiver in members.into_iter().map(|r| r as usize) {
-            let end = light.of(receivers[receiver].position);
-            answers[receiver] = arbiter.truth(&receivers[receiver], end);
-        }
-    }
+    let left = if space.is_sane() {
+        job.frames(&mut answers)
+    } else {
+        (0..receivers.len() as u32).collect()
+    };
+    job.leftovers(&left, &mut answers);
     (answers, job.work)
 }
 
-/// Where scene, receivers and light lie.
+/// Where the scene and the light lie.
 #[derive(Clone, Copy, Debug)]
 struct Space {
     centre: DVec3,
-    /// The largest side of the box around scene and receivers.
+    /// The largest side of the box around the scene.
     size: f64,
     /// The largest |coordinate| of the scene.
     extent: f64,
-    /// The largest |coordinate| of anything.
-    largest: f64,
     light: LightEnd,
 }
 
 impl Space {
-    fn new(geometry: &Geometry, receivers: &[Receiver], light: LightEnd) -> Self {
+    fn new(geometry: &Geometry, light: LightEnd) -> Self {
         let (low, high) = super::bvh::bounds(geometry.positions.iter());
         let extent = low.abs().max(high.abs()).max_element();
-        let (near, far) = super::bvh::bounds(receivers.iter().map(|r| &r.position));
-        let (low, high) = (low.min(near), high.max(far));
-        let largest = low.abs().max(high.abs()).max_element();
         let size = (high - low).max_element();
-        Self { centre: (low + high) / 2.0, size, extent, largest, light }
+        Self { centre: (low + high) / 2.0, size, extent, light }
     }
 
     /// Whether the error bounds of the raster hold: see [`truths`].
     fn is_sane(&self) -> bool {
         let light_is = match self.light {
-            LightEnd::Along(v) => (4.0..64.0).contains(&(v.length() / self.size)),
-            LightEnd::Point(p) => p.is_finite() && (p - self.centre).length() < 64.0 * self.size,
+            LightEnd::Along(v) => (2.0..64.0).contains(&(v.length() / self.size)),
+            LightEnd::Point(p) => self.is_near(p),
         };
         let size_is = self.size > 1e-30 && self.size < 1e30;
-        size_is && light_is && self.largest < 65_536.0 * self.size
+        size_is && light_is && self.extent < 65_536.0 * self.size
+    }
+
+    fn is_near(&self, p: DVec3) -> bool {
+        (p - self.centre).length() < 64.0 * self.size
     }
 }
 
@@ -152,60 +135,109 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Answers the receivers that a frame holds.
-    fn run(&mut self, frame: &Frame, members: &[u32], answers: &mut [Answer]) {
-        if members.is_empty() {
+    /// Answers the receivers that some frame holds; returns the others.
+    fn frames(&mut self, answers: &mut [Answer]) -> Vec<u32> {
+        let axis = Frame::axis(self.light, self.receivers);
+        let scale = 1.0 / self.space.size;
+        let mut left: Option<Vec<u32>> = None;
+        for frame in Frame::candidates(self.light, self.space.centre, scale, axis) {
+            let members = match &left {
+                None => Members::All(self.receivers.len()),
+                Some(left) => Members::Some(left),
+            };
+            if let Some(range) = frame.survey(self.receivers, members) {
+                self.run(&frame, range, members, answers);
+                return Vec::new();
+            }
+            let held = |&k: &u32| frame.holds(self.receivers[k as usize].position);
+            let all = (0..members.len()).map(|k| members.index(k) as u32);
+            let (inside, outside): (Vec<u32>, Vec<u32>) = all.partition(held);
+            let members = Members::Some(&inside);
+            if let Some(range) = frame.survey(self.receivers, members) {
+                self.run(&frame, range, members, answers);
+            }
+            left = Some(outside);
+        }
+        left.unwrap_or_default()
+    }
+
+    /// What no frame holds (receivers at the light, absurd numbers) goes to the rays.
+    fn leftovers(&self, left: &[u32], answers: &mut [Answer]) {
+        if left.is_empty() {
+            return;
+        }
+        let receivers: Vec<Receiver> = left.iter().map(|&k| self.receivers[k as usize]).collect();
+        let tracer = if left.len() < 64 {
+            Tracer::brute_force(self.geometry)
+        } else {
+            Tracer::new(self.geometry)
+        };
+        for (&k, answer) in left.iter().zip(tracer.truths(&receivers, self.light)) {
+            answers[k as usize] = answer;
+        }
+    }
+
+    /// Answers the receivers of a frame.
+    fn run(&mut self, frame: &Frame, range: [DVec3; 2], members: Members, answers: &mut [Answer]) {
+        if members.len() == 0 {
             return;
         }
         let side = ((members.len() / PER_CELL) as f64).sqrt() as usize;
-        let places = members.iter().map(|&r| self.receivers[r as usize].position);
-        let frame = &frame.with_grid(places, side.clamp(1, 4096));
+        let frame = &frame.with_grid(range, side.clamp(1, 4096));
         let bins = &Bins::new(frame, self.receivers, members);
         let vertices = &Vertices::new(frame, self.geometry);
-        let items = &vertices.items(self.geometry, bins);
+        let known = &Known::new(bins.index.len());
         let Self { geometry, receivers, light, .. } = *self;
         let extent = self.space.extent;
-        let shared = Shared { geometry, receivers, light, extent, frame, bins, vertices, items };
-        let mut states = vec![State::LIT; bins.len()];
-        let rare = self.sweep(&shared, &mut states);
-        self.work.triangles += items.len() as u64;
-        self.work.escalated += rare.escalated;
-        self.settle(bins, &states, rare, answers);
+        let shared = Shared { geometry, receivers, light, extent, frame, bins, vertices, known };
+        let found = self.sweep(shared);
+        self.work.triangles += found.triangles;
+        self.work.escalated += found.escalated;
+        self.settle(bins, found, answers);
     }
 
-    /// Runs the bands, one after the other or side by side.
-    fn sweep(&self, shared: &Shared, states: &mut [State]) -> Rare {
-        let bands: Vec<Band> = bands(shared, states);
-        let level = self.options.level;
-        let rare: Vec<Rare> = bands.into_par_iter().map(|band| level.run(band)).collect();
-        rare.into_iter().fold(Rare::default(), |mut all, mut next| {
-            all.marginal.append(&mut next.marginal);
-            all.touching.append(&mut next.touching);
-            all.void.append(&mut next.void);
-            all.escalated += next.escalated;
-            all
-        })
+    /// Runs all triangles, in chunks side by side.
+    fn sweep(&self, shared: Shared) -> Found {
+        let (count, level) = (self.geometry.triangles.len() as u32, self.options.level);
+        let chunks: Vec<Found> = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|k| {
+                let ids = k * CHUNK..((k + 1) * CHUNK).min(count);
+                level.run(Chunk { shared, ids, found: Found::default() })
+            })
+            .collect();
+        chunks.into_iter().fold(Found::default(), Found::joined)
     }
 
-    /// Turns states into answers.
-    fn settle(&self, bins: &Bins, states: &[State], mut rare: Rare, answers: &mut [Answer]) {
-        for (&index, state) in bins.index.iter().zip(states) {
-            if state.nearest.1 != u32::MAX {
-                answers[index as usize].truth = self.shadowed(index, state);
+    /// Turns contacts into answers.
+    fn settle(&self, bins: &Bins, found: Found, answers: &mut [Answer]) {
+        for place in found.touching {
+            answers[bins.index[place as usize] as usize].touching += 1;
+        }
+        let mut slots = vec![0_u32; bins.index.len()];
+        let mut states: Vec<(u32, State)> = Vec::new();
+        for (place, contact) in &found.inside {
+            let slot = &mut slots[*place as usize];
+            if *slot == 0 {
+                states.push((bins.index[*place as usize], State::LIT));
+                *slot = states.len() as u32;
             }
+            states[*slot as usize - 1].1.add(contact);
         }
-        for place in &rare.touching {
-            answers[bins.index[*place as usize] as usize].touching += 1;
+        for (index, state) in &states {
+            answers[*index as usize].truth = self.shadowed(*index, state);
         }
-        rare.marginal.sort_unstable_by_key(|(place, contact)| (*place, contact.triangle));
-        for group in rare.marginal.chunk_by(|a, b| a.0 == b.0) {
-            let index = bins.index[group[0].0 as usize];
-            let answer = &mut answers[index as usize];
-            answer.truth = self.marginal(index, &states[group[0].0 as usize], group);
+        let mut marginal = found.marginal;
+        marginal.sort_unstable_by_key(|(place, contact)| (*place, contact.triangle));
+        for group in marginal.chunk_by(|a, b| a.0 == b.0) {
+            let place = group[0].0 as usize;
+            let state = (slots[place] as usize).checked_sub(1).map(|slot| &states[slot].1);
+            let index = bins.index[place];
+            answers[index as usize].truth = self.marginal(index, state, group);
         }
-        for place in rare.void {
-            answers[bins.index[place as usize] as usize] =
-                Answer { truth: Truth::Ambiguous, touching: 0 };
+        for place in found.void {
+            let index = bins.index[place as usize];
+            answers[index as usize] = Answer { truth: Truth::Ambiguous, touching: 0 };
         }
     }
 
@@ -224,36 +256,30 @@ impl Job<'_> {
         })
     }
 
-    fn marginal(&self, index: u32, state: &State, group: &[(u32, Contact)]) -> Truth {
+    /// The verdict where an edge, a vertex or a plane is met beside what lies inside.
+    fn marginal(&self, index: u32, state: Option<&State>, group: &[(u32, Contact)]) -> Truth {
         let segment = self.segment(index);
         let corners = |id| self.geometry.corners(id);
-        let marginal = group.iter().map(|(_, contact)| *contact);
-        sweep::gather(state, &segment, marginal, &corners).answer(&segment, corners).truth
+        let mut contacts = Contacts::default();
+        for id in state.iter().flat_map(|state| [state.nearest.1, state.farthest.1]) {
+            if let Meeting::Contact(contact) = segment.meet(id, &corners(id)) {
+                contacts.add(contact);
+            }
+        }
+        group.iter().for_each(|(_, contact)| contacts.add(*contact));
+        contacts.answer(&segment, corners).truth
     }
 }
 
-/// Splits the grid into bands of about as many receivers: one on one thread, else a few each, so
-/// that threads that finish early help.
-fn bands<'a>(shared: &Shared<'a>, mut states: &'a mut [State]) -> Vec<Band<'a>> {
-    let threads = rayon::current_num_threads();
-    let wanted = if threads == 1 { 1 } else { 4 * threads };
-    let (bins, mut bands) = (shared.bins, Vec::new());
-    let (mut row, mut first) = (0, 0);
-    for k in 1..=wanted {
-        let until = bins.len() * k / wanted;
-        let end = if k == wanted { bins.cells } else { row_of(bins, until).max(row) };
-        let last = bins.start[end * bins.cells] as usize;
-        let (mine, rest) = states.split_at_mut(last - first);
-        states = rest;
-        let rows: Range<usize> = row..end;
-        bands.push(Band { shared: *shared, rows, first, states: mine, rare: Rare::default() });
-        (row, first) = (end, last);
+impl Found {
+    /// Both together.
+    fn joined(mut self, mut other: Self) -> Self {
+        self.inside.append(&mut other.inside);
+        self.marginal.append(&mut other.marginal);
+        self.touching.append(&mut other.touching);
+        self.void.append(&mut other.void);
+        self.triangles += other.triangles;
+        self.escalated += other.escalated;
+        self
     }
-    bands
-}
-
-/// The first row that starts at or after a receiver.
-fn row_of(bins: &Bins, receiver: usize) -> usize {
-    let rows = (0..=bins.cells).collect::<Vec<_>>();
-    rows.partition_point(|row| (bins.start[row * bins.cells] as usize) < receiver)
 }

@@ -10,27 +10,14 @@ use crate::scene::Geometry;
 /// Half an ulp of 1 in f32.
 const U32: f64 = f32::EPSILON as f64 / 2.0;
 
+/// Triangles that are set up at once.
+pub(super) const BATCH: usize = 8;
+
 /// A triangle and the cells that it may shadow, both ends included.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
-    pub(super) id: u32,
     pub(super) columns: [u16; 2],
     pub(super) rows: [u16; 2],
-}
-
-/// Affine functions of the position relative to `origin`, in f32 and in units of their own error
-/// bound: below -1 the exact value is negative, above 1 it is positive, for every receiver of the
-/// item's cells.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Planes {
-    pub(super) origin: [f32; 2],
-    /// The three edges, positive inside: `a dx + b dy + c`.
-    pub(super) edges: [[f32; 3]; 3],
-    /// Depth of the plane, and the factor of the receiver's depth to subtract.
-    pub(super) depth: [f32; 3],
-    pub(super) per_depth: f32,
-    /// The error bound of the depth; infinite where nothing is decided.
-    pub(super) depth_error: f32,
 }
 
 /// Light-space vertices, and their grid positions and depths in f32 (NaN where a vertex is behind
@@ -44,42 +31,36 @@ pub(super) struct Vertices {
 impl Vertices {
     pub(super) fn new(frame: &Frame, geometry: &Geometry) -> Self {
         let (mut exact, mut screen) = (Vec::new(), Vec::new());
-        geometry
-            .positions
-            .par_iter()
-            .with_min_len(4096)
-            .map(|&p| {
-                let vertex = frame.vertex(p);
-                (vertex, on_screen(&vertex))
-            })
-            .unzip_into_vecs(&mut exact, &mut screen);
+        let place = |&p: &DVec3| {
+            let vertex = frame.vertex(p);
+            (vertex, on_screen(&vertex))
+        };
+        let vertices = geometry.positions.par_iter().with_min_len(4096).map(place);
+        vertices.unzip_into_vecs(&mut exact, &mut screen);
         Self { exact, screen }
     }
 
-    /// The triangles that can shadow a receiver, in order of their ids.
+    /// The cells that a triangle may shadow, or none.
     ///
     /// Left out is a triangle whose cells hold no receiver, and one that is farther from the light
     /// than the farthest receiver of its blocks: depth over a triangle is largest at a corner.
-    pub(super) fn items(&self, geometry: &Geometry, bins: &Bins) -> Vec<Item> {
-        let item = |(id, corners): (usize, &[u32; 3])| self.item(id as u32, *corners, bins);
-        geometry.triangles.par_iter().enumerate().with_min_len(4096).filter_map(item).collect()
-    }
-
-    #[inline]
-    fn item(&self, id: u32, corners: [u32; 3], bins: &Bins) -> Option<Item> {
+    #[inline(always)]
+    pub(super) fn item(&self, corners: [u32; 3], bins: &Bins) -> Option<Item> {
         let [a, b, c] = corners.map(|v| self.screen[v as usize]);
         let low = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
         let high = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
         let nearest = a[2].max(b[2]).max(c[2]);
         if (a[2] + b[2] + c[2]).is_nan() {
             let (low, high) = self.clipped(corners, bins.cells as f64)?;
-            return shadowing(id, cells(low, high, bins.cells)?, f32::INFINITY, bins);
+            return shadowing(cells(low, high, bins.cells)?, f32::INFINITY, bins);
         }
-        shadowing(id, cells(low, high, bins.cells)?, nearest, bins)
+        shadowing(cells(low, high, bins.cells)?, nearest, bins)
     }
 
     /// Bounds on the grid of a triangle that reaches behind the light: it is clipped to the
     /// pyramid over the grid (one cell wider), whose sides leave nothing behind the light.
+    #[cold]
+    #[inline(never)]
     fn clipped(&self, corners: [u32; 3], cells: f64) -> Option<([f32; 2], [f32; 2])> {
         let corners = corners.map(|v| self.exact[v as usize].v);
         let everywhere = Some(([0.0; 2], [cells as f32; 2]));
@@ -108,104 +89,163 @@ impl Vertices {
         (!polygon.is_empty()).then_some((low, high))
     }
 
-    /// The planes of a triangle over the cells of its item.
+    /// Adds a triangle to a batch.
     #[inline(always)]
-    pub(super) fn planes(&self, corners: [u32; 3], item: &Item, frame: &Frame) -> Planes {
-        let span = |[a, b]: [u16; 2]| (f64::from(a) + f64::from(b) + 1.0) / 2.0;
-        let middle = [span(item.columns), span(item.rows)];
+    pub(super) fn load(&self, batch: &mut Batch, id: u32, corners: [u32; 3], item: Item) {
+        let k = batch.len;
+        let middle = |[a, b]: [u16; 2]| (f64::from(a) + f64::from(b) + 1.0) / 2.0;
         let wide = (item.columns[1] - item.columns[0]).max(item.rows[1] - item.rows[0]);
-        let reach = f64::from(wide) / 2.0 + 1.0;
-        let [a, b, c] = corners.map(|v| self.exact[v as usize]);
-        // Relative to the middle of the cells, so that small triangles keep their digits.
-        let local =
-            |p: &Vertex| DVec3::new(p.v.x - middle[0] * p.v.z, p.v.y - middle[1] * p.v.z, p.v.z);
-        let v = [local(&a), local(&b), local(&c)];
-        let e = [v[1].cross(v[2]), v[2].cross(v[0]), v[0].cross(v[1])];
-        let det = v[0].dot(e[0]);
-        let far = a.far.max(b.far).max(c.far);
-        let size = v[0].abs().max(v[1].abs()).max(v[2].abs());
-        let vertex_error = frame.rounding * far + frame.shift_rounding;
-        // An edge is off by the rounding of its vertices times their size.
-        let rough = 4.0 * vertex_error * size.max_element() * (1.0 + reach);
-        let ray = Bounds {
-            // The receiver's f32 position, the subtraction of the origin and the f32 sums.
-            place: U32 * (1.5 * frame.cells as f64 + 8.0 * reach),
-            reach,
-            rough,
-            area: 4.0 * rough * size.z,
-        };
-        let origin = middle.map(|x| x as f32);
-        if det.abs() <= 4.0 * ray.area {
-            return Planes { origin, ..Planes::UNDECIDED };
+        (batch.ids[k], batch.items[k]) = (id, item);
+        (batch.middle[0][k], batch.middle[1][k]) = (middle(item.columns), middle(item.rows));
+        batch.reach[k] = f64::from(wide) / 2.0 + 1.0;
+        batch.far[k] = 0.0;
+        for (corner, v) in corners.iter().enumerate() {
+            let vertex = &self.exact[*v as usize];
+            for axis in 0..3 {
+                batch.corners[corner][axis][k] = vertex.v[axis];
+            }
+            batch.weights[corner][k] = vertex.q;
+            batch.far[k] = batch.far[k].max(vertex.far);
         }
-        let weighted = e[0] * a.q + e[1] * b.q + e[2] * c.q;
-        let weight = a.q.abs().max(b.q.abs()).max(c.q.abs());
-        let edges = e.map(|e| ray.edge(if det < 0.0 { -e } else { e }));
-        ray.planes(origin, edges, weighted / det, 1.0 / det.abs(), weight, frame.depth_scale)
+        batch.len += 1;
     }
 }
 
-/// What bounds the errors of the planes of one triangle.
-struct Bounds {
-    place: f64,
-    reach: f64,
-    rough: f64,
-    area: f64,
+/// Triangles on their way to planes, structure of arrays.
+#[derive(Debug)]
+pub(super) struct Batch {
+    pub(super) len: usize,
+    pub(super) ids: [u32; BATCH],
+    pub(super) items: [Item; BATCH],
+    corners: [[[f64; BATCH]; 3]; 3],
+    weights: [[f64; BATCH]; 3],
+    far: [f64; BATCH],
+    middle: [[f64; BATCH]; 2],
+    reach: [f64; BATCH],
 }
 
-impl Bounds {
-    /// An edge in units of its error.
-    #[inline(always)]
-    fn edge(&self, e: DVec3) -> [f32; 3] {
-        let error = (e.x.abs() + e.y.abs()) * self.place + 4.0 * U32 * e.z.abs() + self.rough;
-        let unit = 1.0 / (error + 1e-300);
-        [(e.x * unit) as f32, (e.y * unit) as f32, (e.z * unit) as f32]
-    }
+/// Affine functions of the position relative to `origin`, in f32 and in units of their own error
+/// bound: below -1 the exact value is negative, above 1 it is positive, for every receiver of the
+/// item's cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planes {
+    /// Middle of the cells; edges (`a dx + b dy + c`, positive inside); depth of the plane and the
+    /// factor of the receiver's depth to subtract; the error bound of the depth.
+    values: [[f32; BATCH]; PLANE_VALUES],
+}
 
-    /// The planes with the depth in units of its error.
-    #[inline(always)]
-    fn planes(
-        &self,
-        origin: [f32; 2],
-        edges: [[f32; 3]; 3],
-        depth: DVec3,
-        inverse: f64,
-        weight: f64,
-        scale: f64,
-    ) -> Planes {
-        let slope = depth.x.abs() + depth.y.abs();
-        let error = slope * self.place
-            + 8.0 * U32 * (depth.z.abs() + scale)
-            + 4.0 * weight * self.rough * inverse
-            + self.area * inverse * (depth.z.abs() + slope * self.reach);
-        let unit = 1.0 / error;
-        Planes {
-            origin,
-            edges,
-            depth: [depth.x * unit, depth.y * unit, depth.z * unit].map(|x| x as f32),
-            per_depth: unit as f32,
-            depth_error: (error * 1.001) as f32,
-        }
-    }
+const PLANE_VALUES: usize = 2 + 9 + 3 + 1 + 1;
+
+/// One triangle of [`Planes`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    pub(super) origin: [f32; 2],
+    pub(super) edges: [[f32; 3]; 3],
+    pub(super) depth: [f32; 3],
+    pub(super) per_depth: f32,
+    pub(super) depth_error: f32,
 }
 
 impl Planes {
-    /// Every receiver of the cells is a candidate: the area is lost in the rounding of the
-    /// vertices.
-    const UNDECIDED: Self = Self {
-        origin: [0.0; 2],
-        edges: [[0.0; 3]; 3],
-        depth: [0.0; 3],
-        per_depth: 0.0,
-        depth_error: f32::INFINITY,
+    #[inline(always)]
+    pub(super) fn get(&self, k: usize) -> Plane {
+        let v = |i: usize| self.values[i][k];
+        Plane {
+            origin: [v(0), v(1)],
+            edges: [[v(2), v(3), v(4)], [v(5), v(6), v(7)], [v(8), v(9), v(10)]],
+            depth: [v(11), v(12), v(13)],
+            per_depth: v(14),
+            depth_error: v(15),
+        }
+    }
+}
+
+impl Batch {
+    pub(super) const EMPTY: Self = Self {
+        len: 0,
+        ids: [0; BATCH],
+        items: [Item { columns: [0; 2], rows: [0; 2] }; BATCH],
+        corners: [[[0.0; BATCH]; 3]; 3],
+        weights: [[0.0; BATCH]; 3],
+        far: [0.0; BATCH],
+        middle: [[0.0; BATCH]; 2],
+        reach: [0.0; BATCH],
     };
+
+    /// The planes of all triangles: one loop without branches, so that it vectorises.
+    #[inline(always)]
+    pub(super) fn planes(&self, frame: &Frame) -> Planes {
+        let mut values = [[0.0_f32; BATCH]; PLANE_VALUES];
+        for k in 0..BATCH {
+            let corner = |c: usize| {
+                // Relative to the middle of the cells, so that small triangles keep their digits.
+                let [x, y, z] = [0, 1, 2].map(|axis| self.corners[c][axis][k]);
+                [x - self.middle[0][k] * z, y - self.middle[1][k] * z, z]
+            };
+            let v = [corner(0), corner(1), corner(2)];
+            let weights = [0, 1, 2].map(|c| self.weights[c][k]);
+            let plane = plane(v, weights, self.far[k], self.reach[k], frame);
+            values[0][k] = self.middle[0][k] as f32;
+            values[1][k] = self.middle[1][k] as f32;
+            for i in 0..14 {
+                values[2 + i][k] = plane[i];
+            }
+        }
+        Planes { values }
+    }
+}
+
+/// Edges, depth and error of one triangle, from [`Planes::values`] 2 on. Where the area is lost in
+/// the rounding of the vertices all is 0: every receiver of the cells is a candidate.
+#[inline(always)]
+fn plane(v: [[f64; 3]; 3], q: [f64; 3], far: f64, reach: f64, frame: &Frame) -> [f32; 14] {
+    let e = [cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])];
+    let det = v[0][0] * e[0][0] + v[0][1] * e[0][1] + v[0][2] * e[0][2];
+    let largest = |axis: usize| v[0][axis].abs().max(v[1][axis].abs()).max(v[2][axis].abs());
+    let size = largest(0).max(largest(1)).max(largest(2));
+    // The receiver's f32 position, the subtraction of the origin and the f32 sums.
+    let place = U32 * (1.5 * frame.cells as f64 + 8.0 * reach);
+    // An edge is off by the rounding of its vertices times their size.
+    let vertex_error = frame.rounding * far + frame.shift_rounding;
+    let rough = 4.0 * vertex_error * size * (1.0 + reach);
+    let area_error = 4.0 * rough * largest(2);
+    let decided = if det.abs() > 4.0 * area_error { 1.0 } else { 0.0 };
+    let side = if det < 0.0 { -decided } else { decided };
+    let mut out = [0.0; 14];
+    for (k, e) in e.iter().enumerate() {
+        let error = (e[0].abs() + e[1].abs()) * place + 4.0 * U32 * e[2].abs() + rough;
+        let unit = side / (error + 1e-300);
+        (out[3 * k], out[3 * k + 1]) = ((e[0] * unit) as f32, (e[1] * unit) as f32);
+        out[3 * k + 2] = (e[2] * unit) as f32;
+    }
+    let inverse = 1.0 / (det + (1.0 - decided));
+    let depth = [0, 1, 2].map(|i| (e[0][i] * q[0] + e[1][i] * q[1] + e[2][i] * q[2]) * inverse);
+    let weight = q[0].abs().max(q[1].abs()).max(q[2].abs());
+    let slope = depth[0].abs() + depth[1].abs();
+    let error = slope * place
+        + 8.0 * U32 * (depth[2].abs() + frame.depth_scale)
+        + 4.0 * weight * rough * inverse.abs()
+        + area_error * inverse.abs() * (depth[2].abs() + slope * reach);
+    let unit = decided / (error + 1e-300);
+    for i in 0..3 {
+        out[9 + i] = (depth[i] * unit) as f32;
+    }
+    out[12] = unit as f32;
+    out[13] = (error * 1.001) as f32;
+    out
+}
+
+#[inline(always)]
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Grid position and depth, NaN within a thousandth of the plane of the light or behind it.
 #[inline(always)]
 fn on_screen(vertex: &Vertex) -> [f32; 3] {
     let Vertex { v, q, .. } = *vertex;
-    let at = [v.x / v.z, v.y / v.z, q / v.z];
+    let inverse = 1.0 / v.z;
+    let at = [v.x * inverse, v.y * inverse, q * inverse];
     let far = at[0].abs().max(at[1].abs()) < 1e6;
     if v.z > 0.0 && far { [at[0] as f32, at[1] as f32, at[2] as f32] } else { [f32::NAN; 3] }
 }
@@ -248,7 +288,7 @@ fn cells(low: [f32; 2], high: [f32; 2], cells: usize) -> Option<[[u16; 2]; 2]> {
 
 /// The item, unless every receiver of its cells is nearer to the light, or there is none.
 #[inline(always)]
-fn shadowing(id: u32, [columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Option<Item> {
+fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Option<Item> {
     let block = |x: u16| usize::from(x) / BLOCK;
     let mut farthest = f32::INFINITY;
     for row in block(rows[0])..=block(rows[1]) {
@@ -258,5 +298,7 @@ fn shadowing(id: u32, [columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins)
     }
     let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
     let shadows = farthest < f32::INFINITY && nearest + margin >= farthest;
-    shadows.then_some(Item { id, columns, rows })
+    let (left, right) = (usize::from(columns[0]), usize::from(columns[1]) + 1);
+    let full = |row: u16| !bins.run(usize::from(row), left, right).is_empty();
+    (shadows && (rows[0]..=rows[1]).any(full)).then_some(Item { columns, rows })
 }

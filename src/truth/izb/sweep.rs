@@ -1,17 +1,16 @@
 //! The sweep: every triangle over the receivers of its cells, sixteen at a time.
 
-use glam::DVec3;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use super::super::cover::Contacts;
 use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, LANES};
 use super::frame::Frame;
-use super::setup::{Item, Planes, Vertices};
+use super::setup::{BATCH, Batch, Item, Plane, Vertices};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
 
-/// What all bands share.
+/// What all chunks share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shared<'a> {
     pub(super) geometry: &'a Geometry,
@@ -22,83 +21,114 @@ pub(super) struct Shared<'a> {
     pub(super) frame: &'a Frame,
     pub(super) bins: &'a Bins,
     pub(super) vertices: &'a Vertices,
-    pub(super) items: &'a [Item],
+    pub(super) known: &'a Known,
 }
 
-/// What is known about one receiver.
+/// Depth bounds of the occluders found so far, by sorted receiver: that of the nearest is at most
+/// the first, that of the farthest at least the second. Threads may overwrite a better bound by a
+/// weaker one; both hold, and no answer depends on them.
+#[derive(Debug)]
+pub(super) struct Known {
+    bounds: Vec<[AtomicU32; 2]>,
+}
+
+impl Known {
+    pub(super) fn new(len: usize) -> Self {
+        let lit = || [f32::INFINITY, f32::NEG_INFINITY].map(|x| AtomicU32::new(x.to_bits()));
+        let mut bounds = Vec::new();
+        bounds.resize_with(len, lit);
+        Self { bounds }
+    }
+
+    #[inline(always)]
+    fn get(&self, place: usize) -> [f32; 2] {
+        self.bounds[place].each_ref().map(|x| f32::from_bits(x.load(Relaxed)))
+    }
+
+    fn tighten(&self, place: usize, depths: [f32; 2]) {
+        let [near, far] = self.get(place);
+        self.bounds[place][0].store(near.min(depths[1]).to_bits(), Relaxed);
+        self.bounds[place][1].store(far.max(depths[0]).to_bits(), Relaxed);
+    }
+}
+
+/// The inside contacts of one receiver nearest to it and to the light: position and triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
-    /// Inside contacts nearest to the receiver and to the light: position and triangle.
     pub(super) nearest: (f64, u32),
     pub(super) farthest: (f64, u32),
-    /// The depth of `nearest` is at most this, that of `farthest` at least that.
-    depths: [f32; 2],
 }
 
-impl State {
-    pub(super) const LIT: Self = Self {
-        nearest: (f64::INFINITY, u32::MAX),
-        farthest: (f64::NEG_INFINITY, u32::MAX),
-        depths: [f32::INFINITY, f32::NEG_INFINITY],
-    };
-}
-
-/// Rare contacts, by sorted receiver.
+/// What a chunk of triangles found, by sorted receiver.
 #[derive(Debug, Default)]
-pub(super) struct Rare {
+pub(super) struct Found {
+    pub(super) inside: Vec<(u32, Contact)>,
     pub(super) marginal: Vec<(u32, Contact)>,
     pub(super) touching: Vec<u32>,
     /// Segments about which nothing can be said.
     pub(super) void: Vec<u32>,
-    /// Candidates that f32 left open.
+    /// Triangles swept, and candidates that f32 left open.
+    pub(super) triangles: u64,
     pub(super) escalated: u64,
 }
 
-/// A run of rows of the grid.
+/// A chunk of triangles to be run over all receivers.
 #[derive(Debug)]
-pub(super) struct Band<'a> {
+pub(super) struct Chunk<'a> {
     pub(super) shared: Shared<'a>,
-    pub(super) rows: std::ops::Range<usize>,
-    /// The first receiver of `states`.
-    pub(super) first: usize,
-    pub(super) states: &'a mut [State],
-    pub(super) rare: Rare,
+    pub(super) ids: std::ops::Range<u32>,
+    pub(super) found: Found,
 }
 
-impl Kernel for Band<'_> {
-    type Output = Rare;
+impl Kernel for Chunk<'_> {
+    type Output = Found;
 
     #[inline(always)]
-    fn run(mut self) -> Rare {
-        for item in self.shared.items {
-            let rows = [usize::from(item.rows[0]), usize::from(item.rows[1])];
-            if rows[0] < self.rows.end && rows[1] >= self.rows.start {
-                let rows = rows[0].max(self.rows.start)..(rows[1] + 1).min(self.rows.end);
-                self.sweep(item, rows);
+    fn run(mut self) -> Found {
+        let Shared { geometry, vertices, bins, .. } = self.shared;
+        let mut batch = Batch::EMPTY;
+        for id in self.ids.clone() {
+            let corners = geometry.triangles[id as usize];
+            if let Some(item) = vertices.item(corners, bins) {
+                vertices.load(&mut batch, id, corners, item);
+            }
+            if batch.len == BATCH {
+                self.sweep(&mut batch);
             }
         }
-        self.rare
+        self.sweep(&mut batch);
+        self.found
     }
 }
 
-impl Band<'_> {
+impl Chunk<'_> {
+    /// Runs the triangles of a batch over the receivers of their cells, and empties it.
     #[inline(always)]
-    fn sweep(&mut self, item: &Item, rows: std::ops::Range<usize>) {
-        let Shared { geometry, vertices, frame, bins, .. } = self.shared;
-        let corners = geometry.triangles[item.id as usize];
-        let planes = vertices.planes(corners, item, frame);
+    fn sweep(&mut self, batch: &mut Batch) {
+        let planes = batch.planes(self.shared.frame);
+        self.found.triangles += batch.len as u64;
+        for k in 0..batch.len {
+            self.sweep_one(batch.ids[k], batch.items[k], &planes.get(k));
+        }
+        batch.len = 0;
+    }
+
+    #[inline(always)]
+    fn sweep_one(&mut self, id: u32, item: Item, plane: &Plane) {
+        let bins = self.shared.bins;
         let (left, right) = (usize::from(item.columns[0]), usize::from(item.columns[1]) + 1);
-        for row in rows {
-            let run = bins.run(row, left, right);
+        for row in item.rows[0]..=item.rows[1] {
+            let run = bins.run(usize::from(row), left, right);
             let mut at = run.start;
             while at < run.end {
                 let lanes = (run.end - at).min(LANES);
-                let tests = Tests::new(&planes, bins, at);
+                let tests = Tests::new(plane, bins, at);
                 let mut candidates = tests.candidates() & (u32::MAX >> (32 - lanes));
                 while candidates != 0 {
                     let lane = candidates.trailing_zeros() as usize;
                     candidates &= candidates - 1;
-                    self.candidate(item.id, &planes, &tests, at, lane);
+                    let test = (tests.inside[lane], tests.nearer[lane]);
+                    self.candidate(id, plane.depth_error, test, at + lane);
                 }
                 at += lanes;
             }
@@ -106,48 +136,42 @@ impl Band<'_> {
     }
 
     /// A receiver that the triangle may shadow or touch.
-    #[inline(always)]
-    fn candidate(&mut self, id: u32, planes: &Planes, tests: &Tests, at: usize, lane: usize) {
-        let (bins, place) = (self.shared.bins, at + lane);
+    #[inline(never)]
+    fn candidate(&mut self, id: u32, error: f32, (inside, nearer): (f32, f32), place: usize) {
+        let Shared { bins, known, frame, .. } = self.shared;
         if bins.own[place] == id {
             return;
         }
-        if tests.inside[lane] < 1.0 || tests.nearer[lane] < 1.0 {
+        if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
         let receiver_depth = bins.depth[place];
-        let depth = receiver_depth + tests.nearer[lane] * planes.depth_error;
-        let depths = [depth - 2.0 * planes.depth_error, depth + 2.0 * planes.depth_error];
-        let state = &self.states[place - self.first];
-        let between = depths[0] > state.depths[0] && depths[1] < state.depths[1];
-        if !(between && depths[1] < self.shared.frame.order_limit(receiver_depth)) {
+        let depth = receiver_depth + nearer * error;
+        let depths = [depth - 2.0 * error, depth + 2.0 * error];
+        let [near, far] = known.get(place);
+        let between = depths[0] > near && depths[1] < far;
+        if !(between && depths[1] < frame.order_limit(receiver_depth)) {
             self.inside(id, place, depths);
         }
     }
 
     /// A contact inside the triangle, for certain.
-    #[inline(never)]
     fn inside(&mut self, id: u32, place: usize, depths: [f32; 2]) {
         let segment = self.segment(place);
         let meeting = segment.meet_inside(id, &self.shared.geometry.corners(id));
-        if let Meeting::Contact(contact) = meeting
-            && contact.is_inside()
-        {
-            let state = &mut self.states[place - self.first];
-            state.depths[0] = state.depths[0].min(depths[1]);
-            state.depths[1] = state.depths[1].max(depths[0]);
+        if matches!(&meeting, Meeting::Contact(contact) if contact.is_inside()) {
+            self.shared.known.tighten(place, depths);
         }
         self.settle(place, meeting);
     }
 
     /// A candidate that f32 does not decide.
     #[cold]
-    #[inline(never)]
     fn undecided(&mut self, id: u32, place: usize) {
-        self.rare.escalated += 1;
+        self.found.escalated += 1;
         let segment = self.segment(place);
         if segment.is_void() {
-            return self.rare.void.push(place as u32);
+            return self.found.void.push(place as u32);
         }
         let meeting = segment.meet(id, &self.shared.geometry.corners(id));
         self.settle(place, meeting);
@@ -160,19 +184,24 @@ impl Band<'_> {
     }
 
     fn settle(&mut self, place: usize, meeting: Meeting) {
+        let place = place as u32;
         match meeting {
             Meeting::Miss => {}
-            Meeting::Touching => self.rare.touching.push(place as u32),
+            Meeting::Touching => self.found.touching.push(place),
             Meeting::Contact(contact) if contact.is_inside() => {
-                self.states[place - self.first].add(&contact);
+                self.found.inside.push((place, contact));
             }
-            Meeting::Contact(contact) => self.rare.marginal.push((place as u32, contact)),
+            Meeting::Contact(contact) => self.found.marginal.push((place, contact)),
         }
     }
 }
 
 impl State {
-    fn add(&mut self, contact: &Contact) {
+    pub(super) const LIT: Self =
+        Self { nearest: (f64::INFINITY, u32::MAX), farthest: (f64::NEG_INFINITY, u32::MAX) };
+
+    /// Keeps a contact that is nearer to an end; ties go to the lowest triangle id.
+    pub(super) fn add(&mut self, contact: &Contact) {
         let Contact { t, triangle, .. } = *contact;
         if t < self.nearest.0 || (t == self.nearest.0 && triangle < self.nearest.1) {
             self.nearest = (t, triangle);
@@ -193,18 +222,18 @@ struct Tests {
 
 impl Tests {
     #[inline(always)]
-    fn new(planes: &Planes, bins: &Bins, at: usize) -> Self {
+    fn new(plane: &Plane, bins: &Bins, at: usize) -> Self {
         let load =
             |values: &[f32]| -> [f32; LANES] { std::array::from_fn(|k| values[at..at + LANES][k]) };
         let (x, y, depth) = (load(&bins.x), load(&bins.y), load(&bins.depth));
         let mut tests = Self { inside: [0.0; LANES], nearer: [0.0; LANES] };
         for k in 0..LANES {
-            let (dx, dy) = (x[k] - planes.origin[0], y[k] - planes.origin[1]);
-            let [e0, e1, e2] = planes.edges.map(|[a, b, c]| a * dx + b * dy + c);
-            let [a, b, c] = planes.depth;
+            let (dx, dy) = (x[k] - plane.origin[0], y[k] - plane.origin[1]);
+            let [e0, e1, e2] = plane.edges.map(|[a, b, c]| a * dx + b * dy + c);
+            let [a, b, c] = plane.depth;
             let least = if e0 < e1 { e0 } else { e1 };
             tests.inside[k] = if least < e2 { least } else { e2 };
-            tests.nearer[k] = a * dx + b * dy + (c - depth[k] * planes.per_depth);
+            tests.nearer[k] = a * dx + b * dy + (c - depth[k] * plane.per_depth);
         }
         tests
     }
@@ -218,23 +247,4 @@ impl Tests {
         }
         bits
     }
-}
-
-/// The contacts of a receiver whose verdict is not settled by inside contacts alone.
-pub(super) fn gather(
-    state: &State,
-    segment: &Segment,
-    marginal: impl Iterator<Item = Contact>,
-    corners: &impl Fn(u32) -> [DVec3; 3],
-) -> Contacts {
-    let mut contacts = Contacts::default();
-    for id in [state.nearest.1, state.farthest.1] {
-        if id != u32::MAX
-            && let Meeting::Contact(contact) = segment.meet(id, &corners(id))
-        {
-            contacts.add(contact);
-        }
-    }
-    marginal.for_each(|contact| contacts.add(contact));
-    contacts
 }
