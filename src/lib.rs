@@ -13,6 +13,7 @@ pub mod raster;
 pub mod report;
 pub mod scene;
 pub mod shadow;
+pub mod simd;
 pub mod truth;
 pub mod view;
 pub use error::{Error, Result};

@@ -24,7 +24,7 @@ pub(super) fn compare(folder: &Path, device: &Device) -> Result<Vec<Entry>> {
     let random = dump::bytes(&folder.join("rand_bytes.bin"), RANDOM * 4)?;
     let mut entries = Vec::new();
     for (name, field) in root.get("encodings")?.members()? {
-        let packing = packing(name).ok_or_else(|| field.bad("is of no known kind", "see --help"));
+        let packing = packing(name).ok_or_else(|| field.bad("is no known packing", "name one of the catalogue"));
         let Ok(packing) = packing else { continue };
         entries.extend(encoding(folder, device, name, packing, &depths, random.as_deref())?);
     }
@@ -33,7 +33,13 @@ pub(super) fn compare(folder: &Path, device: &Device) -> Result<Vec<Entry>> {
 
 /// The packing behind the layout's name.
 fn packing(name: &str) -> Option<Packing> {
-    Packing::ALL.iter().copied().find(|p| p.name() == name)
+    Some(match name {
+        "three_now" => Packing::ThreeRgba,
+        "three_150" => Packing::ThreeR86,
+        "aras255" => Packing::Aras2009,
+        "unity255" => Packing::UnityRgba,
+        name => name.parse().ok()?,
+    })
 }
 
 fn encoding(

@@ -10,7 +10,7 @@ use crate::scene::{
     MatrixChain, Mesh, Object, Shading, TexelFormat, Wrap,
 };
 use crate::view::{Projection, View};
-use crate::{Error, Result};
+use crate::Result;
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 use std::path::Path;
@@ -51,7 +51,7 @@ pub struct FileEntry {
 /// Reads `scene.json`.
 ///
 /// # Errors
-/// [`Error::BadInput`] naming file and field where something is missing, malformed or contradictory.
+/// [`crate::Error::BadInput`] naming file and field where something is missing, malformed or contradictory.
 pub fn read(path: &Path) -> Result<SceneDump> {
     let value = json::read(path)?;
     parse(path, &value)
@@ -323,6 +323,7 @@ fn counts(root: &Field<'_>) -> Result<Vec<(String, Vec<(u8, u64)>)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Error;
 
     fn complaint(edit: impl FnOnce(&mut Value)) -> String {
         let mut value = minimal();
