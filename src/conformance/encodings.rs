@@ -24,7 +24,8 @@ pub(super) fn compare(folder: &Path, device: &Device) -> Result<Vec<Entry>> {
     let random = dump::bytes(&folder.join("rand_bytes.bin"), RANDOM * 4)?;
     let mut entries = Vec::new();
     for (name, field) in root.get("encodings")?.members()? {
-        let packing = packing(name).ok_or_else(|| field.bad("is no known packing", "name one of the catalogue"));
+        let packing = packing(name)
+            .ok_or_else(|| field.bad("is no known packing", "name one of the catalogue"));
         let Ok(packing) = packing else { continue };
         entries.extend(encoding(folder, device, name, packing, &depths, random.as_deref())?);
     }

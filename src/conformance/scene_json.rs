@@ -1,6 +1,7 @@
 //! `scene.json` → a case: every parameter from the file's own words, nothing from its name.
 
 use super::json::{self, Field};
+use crate::Result;
 use crate::camera::Camera;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::DeviceProfile;
@@ -10,7 +11,6 @@ use crate::scene::{
     MatrixChain, Mesh, Object, Shading, TexelFormat, Wrap,
 };
 use crate::view::{Projection, View};
-use crate::Result;
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 use std::path::Path;

@@ -3,6 +3,8 @@
 //! Experiments fill a [`Report`]; [`Report::write`] turns it into one self-contained page and the
 //! files behind it. Nothing here knows what is measured. Texts are plain text, never HTML.
 
+mod blob;
+pub mod explorer;
 mod exr;
 mod heatmap;
 mod image;
@@ -16,6 +18,7 @@ mod write;
 
 use std::collections::BTreeMap;
 
+pub use explorer::Explorer;
 pub use exr::ExrImage;
 pub use heatmap::HeatMap;
 pub use image::Picture;
@@ -119,6 +122,8 @@ pub enum Block {
     Findings(Vec<Finding>),
     /// An image of measured values for viewers outside, linked from the page.
     Exr(ExrImage),
+    /// A picture whose classes follow a slider.
+    Explorer(Explorer),
 }
 
 /// A claim, the numbers and the sentence that follows from them.
@@ -183,6 +188,7 @@ impl Block {
             Self::HeatMap(map) => Some(&map.id),
             Self::Picture(picture) => Some(&picture.id),
             Self::Exr(image) => Some(&image.id),
+            Self::Explorer(explorer) => Some(&explorer.id),
             Self::Text(_) | Self::Row(_) | Self::Code { .. } | Self::Findings(_) => None,
         }
     }
@@ -204,7 +210,7 @@ macro_rules! block_from {
         })+
     };
 }
-block_from!(Table, Plot, HeatMap, Picture);
+block_from!(Table, Plot, HeatMap, Picture, Explorer);
 
 impl From<ExrImage> for Block {
     fn from(image: ExrImage) -> Self {

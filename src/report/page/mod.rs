@@ -1,5 +1,6 @@
 //! The page: one HTML file with its style, script, plots and pictures inside.
 
+mod explorer_view;
 mod view;
 
 use std::collections::BTreeMap;
@@ -8,9 +9,11 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 
-use super::Report;
 use super::index::Entry;
 use super::write::Figure;
+use super::{Block, Report};
+
+pub(super) use explorer_view::pack;
 
 const TEMPLATES: [(&str, &str); 3] = [
     ("page.html", include_str!("page.html")),
@@ -19,6 +22,8 @@ const TEMPLATES: [(&str, &str); 3] = [
 ];
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("page.js");
+const EXPLORER: [&str; 3] =
+    [include_str!("judge.js"), include_str!("inspect.js"), include_str!("explorer.js")];
 
 /// The page of `report`; `files` are the names of what lies beside it.
 pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &[&str]) -> String {
@@ -29,9 +34,14 @@ pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &
         sections => Value::from(Serde(sections)),
         files => Value::from(Serde(files)),
         style => STYLE,
-        script => SCRIPT,
+        script => scripts(report),
     };
     fill("page.html", values)
+}
+
+fn scripts(report: &Report) -> String {
+    let explorers = report.blocks().any(|block| matches!(block, Block::Explorer(_)));
+    std::iter::once(SCRIPT).chain(EXPLORER.into_iter().filter(|_| explorers)).collect()
 }
 
 /// The index over several reports.
