@@ -1,4 +1,5 @@
 //! gnomon
+pub mod analysis;
 pub mod camera;
 pub mod catalogue;
 pub mod conformance;
