@@ -6,6 +6,7 @@
 mod blob;
 pub mod explorer;
 mod exr;
+pub mod gpu;
 mod heatmap;
 mod image;
 mod index;
@@ -20,6 +21,7 @@ use std::collections::BTreeMap;
 
 pub use explorer::Explorer;
 pub use exr::ExrImage;
+pub use gpu::GpuPanel;
 pub use heatmap::HeatMap;
 pub use image::Picture;
 pub use index::write_index;
@@ -124,6 +126,8 @@ pub enum Block {
     Exr(ExrImage),
     /// A picture whose classes follow a slider.
     Explorer(Explorer),
+    /// Shaders that the reader runs on their own GPU.
+    Gpu(GpuPanel),
 }
 
 /// A claim, the numbers and the sentence that follows from them.
@@ -189,6 +193,7 @@ impl Block {
             Self::Picture(picture) => Some(&picture.id),
             Self::Exr(image) => Some(&image.id),
             Self::Explorer(explorer) => Some(&explorer.id),
+            Self::Gpu(panel) => Some(&panel.id),
             Self::Text(_) | Self::Row(_) | Self::Code { .. } | Self::Findings(_) => None,
         }
     }
@@ -215,6 +220,12 @@ block_from!(Table, Plot, HeatMap, Picture, Explorer);
 impl From<ExrImage> for Block {
     fn from(image: ExrImage) -> Self {
         Self::Exr(image)
+    }
+}
+
+impl From<GpuPanel> for Block {
+    fn from(panel: GpuPanel) -> Self {
+        Self::Gpu(panel)
     }
 }
 

@@ -34,7 +34,7 @@ pub(super) struct Figure {
     pub(super) svg: String,
     /// PNG bytes of a picture.
     pub(super) png: Vec<u8>,
-    /// An explorer's description and arrays.
+    /// Description and arrays of an explorer or a panel.
     pub(super) pack: (String, String),
     /// Files beside the page.
     pub(super) files: Vec<OutFile>,
@@ -156,6 +156,7 @@ fn figure(id: &str, block: &Block, size: Size) -> Figure {
             let (pack, still) = rayon::join(|| page::pack(explorer), || explorer.to_png());
             Figure { pack, ..with_png(id, still) }
         }
+        Block::Gpu(panel) => Figure { pack: page::pack_panel(panel), ..Figure::default() },
         Block::Exr(image) => Figure {
             files: vec![file(format!("exr/{id}.exr"), image.to_exr())],
             ..Figure::default()

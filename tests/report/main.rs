@@ -2,6 +2,7 @@
 
 mod browser;
 mod explored;
+mod measured;
 mod sample;
 
 use std::path::Path;

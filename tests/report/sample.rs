@@ -276,6 +276,7 @@ fn pictures() -> Section {
 fn explorers() -> Section {
     let mut section = Section::new("drag", "Drag the bias", "Every mask is exact at every f32.");
     section.push(crate::explored::explorer("small", (96, 80)));
+    section.push(crate::measured::panel());
     section
 }
 

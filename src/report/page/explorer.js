@@ -1,14 +1,5 @@
 "use strict";
 // Draws explorers: slider, masks, counts, curve and inspector follow one f32 value.
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (name in element && name !== "list") element[name] = value; else element.setAttribute(name, value);
-  }
-  element.append(...children);
-  return element;
-}
-
 const css = ([r, g, b]) => `rgb(${r},${g},${b})`;
 const pixel = ([r, g, b]) => (255 << 24 | b << 16 | g << 8 | r) >>> 0;
 const faded = (rgb) => rgb.map((c) => Math.round(235 + (c - 235) * 0.08));

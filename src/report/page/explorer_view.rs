@@ -1,9 +1,10 @@
-//! What the page's script reads of an explorer: a JSON description and one blob of arrays.
+//! What the page's scripts read of explorers and panels: a JSON description and a blob of arrays.
 
 use serde::Serialize;
 
 use crate::report::blob::{Blob, Slice};
 use crate::report::explorer::{Detail, Explorer, Values, View};
+use crate::report::gpu::{GpuPanel, Predicted};
 use crate::report::palette::Colour;
 
 #[derive(Serialize)]
@@ -66,8 +67,40 @@ pub(in crate::report) fn pack(explorer: &Explorer) -> (String, String) {
         classes: explorer.classes.iter().map(|c| (c.name.as_str(), c.colour.rgb())).collect(),
         views: explorer.views.iter().map(|view| pack_view(view, &mut blob)).collect(),
     };
-    let json = serde_json::to_string(&description).expect("a description is JSON");
-    (json.replace('<', "\\u003c"), blob.to_text())
+    (in_script(&description), blob.to_text())
+}
+
+/// JSON that cannot end the `script` element it stands in.
+fn in_script(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("a description is JSON").replace('<', "\\u003c")
+}
+
+#[derive(Serialize)]
+struct PanelDescription<'a> {
+    depths: Slice,
+    pairs: Vec<PairView<'a>>,
+}
+
+#[derive(Serialize)]
+struct PairView<'a> {
+    name: &'a str,
+    glsl: &'a str,
+    highp: Option<Predicted>,
+    mediump: Option<Predicted>,
+}
+
+/// A panel's description and its depths.
+pub(in crate::report) fn pack_panel(panel: &GpuPanel) -> (String, String) {
+    let mut blob = Blob::default();
+    let depths = blob.floats(panel.depths.iter().copied());
+    let pairs = panel.pairs.iter().map(|pair| PairView {
+        name: &pair.name,
+        glsl: &pair.glsl,
+        highp: pair.highp,
+        mediump: pair.mediump,
+    });
+    let pairs = pairs.collect();
+    (in_script(&PanelDescription { depths, pairs }), blob.to_text())
 }
 
 fn pack_view<'a>(view: &'a View, blob: &mut Blob) -> ViewView<'a> {

@@ -13,7 +13,7 @@ use super::index::Entry;
 use super::write::Figure;
 use super::{Block, Report};
 
-pub(super) use explorer_view::pack;
+pub(super) use explorer_view::{pack, pack_panel};
 
 const TEMPLATES: [(&str, &str); 3] = [
     ("page.html", include_str!("page.html")),
@@ -22,8 +22,10 @@ const TEMPLATES: [(&str, &str); 3] = [
 ];
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("page.js");
+const PARTS: &str = include_str!("parts.js");
 const EXPLORER: [&str; 3] =
     [include_str!("judge.js"), include_str!("inspect.js"), include_str!("explorer.js")];
+const GPU: [&str; 2] = [include_str!("gpu.js"), include_str!("panel.js")];
 
 /// The page of `report`; `files` are the names of what lies beside it.
 pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &[&str]) -> String {
@@ -39,9 +41,14 @@ pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &
     fill("page.html", values)
 }
 
+/// The scripts that the report's blocks need; without explorer and panel that is one.
 fn scripts(report: &Report) -> String {
     let explorers = report.blocks().any(|block| matches!(block, Block::Explorer(_)));
-    std::iter::once(SCRIPT).chain(EXPLORER.into_iter().filter(|_| explorers)).collect()
+    let panels = report.blocks().any(|block| matches!(block, Block::Gpu(_)));
+    let parts = (explorers || panels).then_some(PARTS);
+    let explorers = EXPLORER.into_iter().filter(|_| explorers);
+    let panels = GPU.into_iter().filter(|_| panels);
+    std::iter::once(SCRIPT).chain(parts).chain(explorers).chain(panels).collect()
 }
 
 /// The index over several reports.

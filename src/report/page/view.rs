@@ -57,6 +57,7 @@ enum Content {
     Code { language: String, text: String },
     Findings { findings: Vec<FindingView> },
     Explorer(ExplorerView),
+    Gpu { title: String, caption: String, about: String, blob: String },
     Exr { file: String, width: usize, height: usize, names: String, metadata: String },
 }
 
@@ -215,6 +216,12 @@ fn with_files(block: &Block, figure: &Figure) -> Content {
         Block::HeatMap(map) => Content::HeatMap(HeatMapView::new(map, file)),
         Block::Picture(picture) => Content::Picture(PictureView::new(picture, figure)),
         Block::Explorer(explorer) => Content::Explorer(ExplorerView::new(explorer, figure)),
+        Block::Gpu(panel) => Content::Gpu {
+            title: panel.title.clone(),
+            caption: panel.caption.clone(),
+            about: figure.pack.0.clone(),
+            blob: figure.pack.1.clone(),
+        },
         Block::Exr(image) => Content::Exr {
             file,
             width: image.width,
