@@ -1,4 +1,5 @@
 //! gnomon
+pub mod analysis;
 pub mod catalogue;
 pub mod depth;
 pub mod error;

@@ -1,0 +1,3 @@
+//! Analyses: from subjects and truths to numbers, certificates and reports.
+
+pub mod roundtrip;
