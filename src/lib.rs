@@ -1,9 +1,20 @@
 //! gnomon
 pub mod analysis;
+pub mod camera;
 pub mod catalogue;
+pub mod conformance;
 pub mod depth;
+pub mod device;
 pub mod error;
+pub mod harness;
+pub mod light;
 pub mod num;
-pub mod simd;
-pub use error::{Error, Result};
+pub mod output;
+pub mod raster;
+pub mod report;
 pub mod scene;
+pub mod shadow;
+pub mod simd;
+pub mod truth;
+pub mod view;
+pub use error::{Error, Result};

@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn ordinals_are_consecutive_and_invertible() {
-        for x in [0.0f32, 1e-45, 1.0, -1.0, 0.1, -3.5e-39, 6.0e38f32.min(f32::MAX)] {
+        for x in [0.0f32, 1e-45, 1.0, -1.0, 0.1, -3.5e-39, f32::MAX] {
             assert_eq!(from_ordinal(ordinal(x)), x, "{x:e}");
             assert_eq!(ordinal(x.next_up()), ordinal(x) + 1, "{x:e}");
         }

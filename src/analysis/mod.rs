@@ -1,3 +1,13 @@
-//! Analyses: from subjects and truths to numbers, certificates and reports.
+//! Analysis: every receiver judged against the truth, with the cause and the kind of each artifact.
 
+pub mod adjacency;
+pub mod classify;
+pub mod curve;
+pub mod documents;
+pub mod explain;
+pub mod interior;
+pub mod ladder;
+pub mod measure;
+pub mod observe;
 pub mod roundtrip;
+pub mod walk;

@@ -1,0 +1,183 @@
+//! The subject's rasteriser: clip-space triangles → for each texel the winning triangle and its depth.
+//!
+//! Coverage is exact integer arithmetic on snapped vertices. The depth test keeps the first fragment
+//! with the smallest depth key (LESS); encoding comes after it, so that one raster serves every
+//! format whose encode is monotone.
+
+mod clip;
+pub mod passes;
+mod plane;
+mod triangle;
+
+use crate::depth::DepthFormat;
+use crate::device::{Device, OffsetUnit, SlopeNorm};
+use crate::scene::Cull;
+use glam::{DVec3, Vec4};
+pub use plane::{Plane, Row, Varyings};
+pub use triangle::Projected;
+
+/// No triangle covers the texel.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Polygon offset as the APIs state it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PolygonOffset {
+    /// Multiplies the largest depth slope m.
+    pub factor: f32,
+    /// Multiplies the smallest resolvable difference r.
+    pub units: f32,
+}
+
+/// What a pass draws into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// Faces left out.
+    pub cull: Cull,
+    /// Format of the depth attachment whose codes are compared.
+    pub depth_buffer: DepthFormat,
+    /// Caster-side offset.
+    pub offset: PolygonOffset,
+}
+
+/// What a pass wrote, row by row from the bottom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// `gl_FragCoord.z` of the winning fragment; 1 where there is none.
+    pub depth: Vec<f32>,
+    /// Its triangle, or [`NO_TRIANGLE`].
+    pub triangle: Vec<u32>,
+    /// Triangles that covered nothing (culled, without area, between pixel centres, clipped away).
+    pub empty_triangles: u64,
+}
+
+/// A triangle ready to be drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Setup {
+    projected: Projected,
+    depth: Plane,
+}
+
+impl Setup {
+    /// Projects, snaps and sets up one triangle.
+    #[must_use]
+    pub fn new(device: &Device, size: [u32; 2], corners: [Vec4; 3]) -> Self {
+        let projected = Projected::new(device, size, corners);
+        Self { projected, depth: plane::depth_plane(device, &projected) }
+    }
+
+    /// The window depth plane, without offset.
+    #[must_use]
+    pub const fn depth(&self) -> &Plane {
+        &self.depth
+    }
+
+    /// The largest depth slope m per texel, in the device's norm.
+    #[must_use]
+    pub fn max_slope(&self, device: &Device) -> f32 {
+        let [dx, dy] = self.depth.gradient();
+        match device.slope_norm {
+            SlopeNorm::Max => dx.abs().max(dy.abs()),
+            SlopeNorm::Euclid => (dx * dx + dy * dy).sqrt(),
+        }
+    }
+
+    /// The unit r of a constant offset in a depth buffer of `format`.
+    #[must_use]
+    pub fn resolvable(&self, device: &Device, format: DepthFormat) -> f32 {
+        let format = device.depth_format(format);
+        match (format.unorm_max(), device.offset_unit) {
+            (Some(max), OffsetUnit::Measured) => 1.01 / max as f32,
+            (Some(max), OffsetUnit::Specification) => 1.0 / (max as f32 + 1.0),
+            (None, OffsetUnit::Measured) => plane::measured_float_unit(&self.projected),
+            (None, OffsetUnit::Specification) => {
+                let depths = self.projected.clip.map(|v| (v.z / v.w * 0.5 + 0.5).abs());
+                plane::exponent_unit(depths.into_iter().fold(0.0, f32::max))
+            }
+        }
+    }
+
+    /// factor·m + units·r; exactly 0 without an offset, so that 0·∞ never arises.
+    #[must_use]
+    pub fn offset(&self, device: &Device, format: DepthFormat, offset: PolygonOffset) -> f32 {
+        let slope = if offset.factor == 0.0 { 0.0 } else { offset.factor * self.max_slope(device) };
+        let constant =
+            if offset.units == 0.0 { 0.0 } else { offset.units * self.resolvable(device, format) };
+        slope + constant
+    }
+
+    /// Interpolation of per-vertex values.
+    #[must_use]
+    pub fn varyings(&self, device: &Device) -> Varyings {
+        Varyings::new(device, &self.projected)
+    }
+
+    /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0,1].
+    #[must_use]
+    pub fn barycentrics(&self, px: u32, py: u32) -> DVec3 {
+        self.projected.barycentrics(f64::from(px), f64::from(py))
+    }
+
+    /// Calls `span(y, first, end)` for each row of covered pixels; false if there is none.
+    pub fn cover(
+        &self,
+        device: &Device,
+        size: [u32; 2],
+        cull: Cull,
+        mut span: impl FnMut(u32, u32, u32),
+    ) -> bool {
+        let mut any = false;
+        if let Some(outline) = self.projected.outline(device, cull) {
+            outline.spans(size, |y, first, end| {
+                any = true;
+                span(y, first, end);
+            });
+        }
+        any
+    }
+}
+
+/// Draws triangles in order with depth test LESS into a buffer cleared to 1.
+#[must_use]
+pub fn draw(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
+    let [width, height] = pass.size;
+    let texels = width as usize * height as usize;
+    let mut raster = Raster {
+        size: pass.size,
+        depth: vec![1.0; texels],
+        triangle: vec![NO_TRIANGLE; texels],
+        empty_triangles: 0,
+    };
+    let key_of = depth_key(device, pass.depth_buffer);
+    let mut keys = vec![key_of(1.0); texels];
+    for (id, t) in triangles.iter().enumerate() {
+        let setup = Setup::new(device, pass.size, t.map(|v| clip[v as usize]));
+        let depth = setup.depth.moved(setup.offset(device, pass.depth_buffer, pass.offset));
+        let drawn = setup.cover(device, pass.size, pass.cull, |y, first, end| {
+            let row = depth.row(y as f32);
+            let start = y as usize * width as usize;
+            for x in first..end {
+                let z = row.at(x as f32);
+                let z = if device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z };
+                let (key, at) = (key_of(z), start + x as usize);
+                if key < keys[at] {
+                    keys[at] = key;
+                    raster.depth[at] = z;
+                    raster.triangle[at] = id as u32;
+                }
+            }
+        });
+        raster.empty_triangles += u64::from(!drawn);
+    }
+    raster
+}
+
+/// The value that the depth test compares: the stored code of a fragment's depth (monotone in it).
+fn depth_key(device: &Device, format: DepthFormat) -> impl Fn(f32) -> u32 {
+    let format = device.depth_format(format);
+    let device = *device;
+    move |z| format.encode_with(device.store, device.flush(z))
+}

@@ -1,0 +1,192 @@
+//! The words in which a case fixes its pipeline: how it transforms, draws, stores and compares.
+
+use crate::depth::{DepthFormat, Packing};
+
+crate::catalogue! {
+    /// The f32 form in which a shader turns the interpolated light position into map coordinates
+    /// and depth. All mean the same; they round differently.
+    pub enum CoordForm {
+        /// (xyz / w) / 2 + 0.5 (documents 000, 004).
+        DivideHalveAdd = "(xyz / w) / 2 + 0.5",
+        /// (0.5 · xyz) / w + 0.5 (document 001).
+        HalveDivideAdd = "(0.5 * xyz) / w + 0.5",
+        /// xyz / w, the halving and adding being in the matrix (documents 002, 003).
+        Divide = "xyz / w",
+    }
+}
+
+impl CoordForm {
+    /// Map coordinates u, v and depth z, each operation rounded to f32.
+    #[must_use]
+    pub fn apply(self, p: glam::Vec4) -> [f32; 3] {
+        [p.x, p.y, p.z].map(|x| match self {
+            Self::DivideHalveAdd => (x / p.w) / 2.0 + 0.5,
+            Self::HalveDivideAdd => (0.5 * x) / p.w + 0.5,
+            Self::Divide => x / p.w,
+        })
+    }
+}
+
+crate::catalogue! {
+    /// When a tap is in shadow: receiver depth z, stored depth D, bias b. A larger b never darkens.
+    pub enum CompareRule {
+        /// Shadow if z > D + b (documents 000, 004).
+        ReceiverBeyond = "z > D + b",
+        /// Lit if D + b > z, so that a tie is shadow (document 001).
+        NotStoredBeyond = "!(D + b > z)",
+        /// Shadow if D ≤ z + b with the document's negative b (document 002).
+        StoredAtMost = "D <= z + b",
+        /// Lit if z − b < D (document 003).
+        NotReceiverBefore = "!(z - b < D)",
+    }
+}
+
+impl CompareRule {
+    /// The document's literal f32 rule. `bias` ≥ 0 repairs acne whatever sign the document writes.
+    #[must_use]
+    pub fn is_lit(self, z: f32, stored: f32, bias: f32) -> bool {
+        match self {
+            Self::ReceiverBeyond => !(z > stored + bias),
+            Self::NotStoredBeyond => stored + bias > z,
+            Self::StoredAtMost => !(stored <= z + -bias),
+            Self::NotReceiverBefore => z - bias < stored,
+        }
+    }
+
+    /// The same rule on exact values (f64 operands whose sums round far below the depths' ulps).
+    #[must_use]
+    pub fn is_lit_exact(self, z: f64, stored: f64, bias: f64) -> bool {
+        match self {
+            Self::ReceiverBeyond => z - stored <= bias,
+            Self::NotStoredBeyond | Self::StoredAtMost | Self::NotReceiverBefore => {
+                z - stored < bias
+            }
+        }
+    }
+
+    /// Factor between the bias as documents write it and the bias that repairs acne.
+    #[must_use]
+    pub const fn bias_sign(self) -> f32 {
+        match self {
+            Self::StoredAtMost => -1.0,
+            _ => 1.0,
+        }
+    }
+}
+
+crate::catalogue! {
+    /// Which texels a look-up reads.
+    pub enum Filter {
+        /// The one texel under the coordinate.
+        Nearest = "nearest",
+        /// Four texels, weighted: bytes of a packed texture are mixed before they are decoded.
+        Linear = "linear",
+        /// 3×3 NEAREST comparisons, averaged.
+        Pcf3 = "pcf3x3",
+    }
+}
+
+crate::catalogue! {
+    /// What happens to coordinates outside [0,1].
+    pub enum Wrap {
+        /// The border texel goes on for ever.
+        Clamp = "clamp-to-edge",
+        /// The map repeats.
+        Repeat = "repeat",
+    }
+}
+
+crate::catalogue! {
+    /// Which faces a pass leaves out.
+    pub enum Cull {
+        /// None.
+        None = "none",
+        /// Front faces (counter-clockwise on the screen).
+        Front = "front",
+        /// Back faces.
+        Back = "back",
+    }
+}
+
+crate::catalogue! {
+    /// The depth attachment that decides which fragment a texel keeps.
+    pub enum DepthBuffer {
+        /// A 16-bit renderbuffer under a colour-packed pass.
+        Unorm16 = "d16",
+        /// The depth texture itself, as float.
+        Texture = "d32f-texture",
+    }
+}
+
+/// What a texel holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TexelFormat {
+    /// A depth texture.
+    Depth(DepthFormat),
+    /// Four colour bytes.
+    Packed(Packing),
+}
+
+impl TexelFormat {
+    /// The name of the format or packing.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Depth(format) => format.name(),
+            Self::Packed(packing) => packing.name(),
+        }
+    }
+}
+
+/// How the shadow map is drawn and kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapSpec {
+    /// Texels per side.
+    pub size: u32,
+    /// What a texel holds.
+    pub texel: TexelFormat,
+    /// Clear colour of a packed map in [0,1] (depth textures clear to 1).
+    pub clear: [f32; 4],
+    /// The pass' depth attachment.
+    pub depth_buffer: DepthBuffer,
+    /// Faces left out of the map.
+    pub cull: Cull,
+}
+
+/// How a receiver looks the map up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookupSpec {
+    /// Arithmetic of the coordinate.
+    pub coord: CoordForm,
+    /// The comparison.
+    pub compare: CompareRule,
+    /// Whether receivers outside the map's square are lit without a look-up.
+    pub range_test: bool,
+    /// Texels read.
+    pub filter: Filter,
+    /// Coordinates outside.
+    pub wrap: Wrap,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ties_are_decided_as_each_document_writes() {
+        let lit = |rule: CompareRule| rule.is_lit(0.5, 0.5, 0.0);
+        assert!(lit(CompareRule::ReceiverBeyond), "strict >");
+        assert!(!lit(CompareRule::NotStoredBeyond), "strict > the other way");
+        assert!(!lit(CompareRule::StoredAtMost), "<=");
+        assert!(!lit(CompareRule::NotReceiverBefore), "strict <");
+    }
+
+    #[test]
+    fn bias_lights_every_rule() {
+        for &rule in CompareRule::ALL {
+            assert!(!rule.is_lit(0.5, 0.49, 0.0), "{rule}: an occluder shadows");
+            assert!(rule.is_lit(0.5, 0.49, 0.02), "{rule}: a larger bias hides it");
+            assert!(rule.is_lit_exact(0.5, 0.49, 0.02), "{rule}: exactly too");
+        }
+    }
+}
