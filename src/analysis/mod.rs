@@ -10,4 +10,5 @@ pub mod ladder;
 pub mod measure;
 pub mod measurement;
 pub mod observe;
+pub mod roundtrip;
 pub mod walk;
