@@ -1,5 +1,8 @@
 //! The main job: counts add up, findings turn over, bytes repeat, mistakes are one sentence.
 
+#[path = "support/schema.rs"]
+mod schema;
+
 use gnomon::analysis::documents::findings::{CLAIMS, by_name, evaluate};
 use gnomon::analysis::documents::{self, Options};
 use gnomon::analysis::measure::measure;
@@ -21,6 +24,20 @@ fn options() -> Options {
 fn results() -> &'static Value {
     static RESULTS: OnceLock<Value> = OnceLock::new();
     RESULTS.get_or_init(|| documents::report(&options(), || ()).expect("the main job").results)
+}
+
+#[test]
+fn results_follow_their_schema() {
+    let text = include_str!("fixtures/results.schema.json");
+    let rules: Value = serde_json::from_str(text).expect("a schema");
+    let found = schema::violations(&rules, &rules, results(), "results");
+    assert!(found.is_empty(), "{found:#?}");
+    let mut broken = results().clone();
+    broken["cases"][0]["false_shadow"]["rate"] = 1.5.into();
+    broken["cases"][1].as_object_mut().expect("a case").remove("verdict");
+    broken["findings"][0]["verdict"] = "perhaps".into();
+    let found = schema::violations(&rules, &rules, &broken, "results");
+    assert_eq!(found.len(), 3, "the checker can fail: {found:#?}");
 }
 
 fn number(v: &Value) -> u64 {
