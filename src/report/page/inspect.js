@@ -124,7 +124,7 @@ class Inspector {
   lines(view, x, y) {
     const { about, value } = this.owner, s = y * about.width + x, wrong = wrongTaps(view, s, value);
     const truth = ["lit", "shadowed", "counted apart"][view.truth[s]];
-    const lines = [["sample", `${x}, ${y}`], ["truth", truth], ["class", about.classes[classOf(view, s, value, wrong)][0]]];
+    const lines = [["sample", `${x}, ${y}`], ["truth", truth], ["class", about.classes[classOf(view, s, value)][0]]];
     if (view.truth[s] !== APART) {
       const taps = Array.from(view.breakpoints.subarray(s * view.taps, (s + 1) * view.taps), short);
       lines.push([view.taps > 1 ? "lit from, each tap" : "lit from", taps.join(" ")]);
