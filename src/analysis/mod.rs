@@ -8,5 +8,7 @@ pub mod explain;
 pub mod interior;
 pub mod ladder;
 pub mod measure;
+pub mod measurement;
 pub mod observe;
+pub mod roundtrip;
 pub mod walk;

@@ -50,6 +50,8 @@ pub struct Observation {
     pub taps: Taps,
     /// Lit taps at the case's bias.
     pub lit_taps: usize,
+    /// Their share of the visibility, in [0,1].
+    pub lit_share: f64,
     /// Smallest bias that lights each tap.
     pub breakpoints: Vec<f32>,
     /// Stored depth on each rung; +∞ where nothing is in front.
@@ -75,9 +77,14 @@ impl Observation {
 
     /// Fractional visibility in [0,1].
     #[must_use]
-    pub fn visibility(&self) -> f64 {
-        self.lit_taps as f64 / self.taps.depths().len() as f64
+    pub const fn visibility(&self) -> f64 {
+        self.lit_share
     }
+}
+
+/// Share of a look-up's visibility that `lit` taps have: 1 where the range test lights all of them.
+fn lit_share(taps: &Taps, lit: usize, is_lit: impl Fn(f32) -> bool) -> f64 {
+    if lit == taps.depths().len() { 1.0 } else { taps.visibility(|i| is_lit(taps.depths()[i])) }
 }
 
 /// A drawn case with everything needed to judge any of its receivers.
@@ -201,13 +208,14 @@ impl<'a> Observer<'a> {
             standing: self.standing(&receiver, window, &answer),
             answer,
             breakpoints: taps.depths().iter().map(breakpoint).collect(),
+            lit_share: lit_share(&taps, lit_taps, |d| rule.is_lit(coord[2], d, case.bias)),
+            texel: taps.texels(taps.centre())[0],
             taps,
             lit_taps,
             stored: [f64::INFINITY; 5],
             wrong: [false; 5],
             outcome: Outcome::Agree,
             caster: StoredCaster::Own,
-            texel: taps.texels(taps.centre())[0],
             own_surface: false,
         };
         if observation.standing == Standing::Counted {

@@ -73,6 +73,12 @@ impl Segment {
         Self { from, to, along: to - from, blur }
     }
 
+    /// A segment from a receiver of a scene whose largest |coordinate| is `extent`: each coordinate
+    /// of the receiver may be off by `16 * 2^-53` times the largest of all.
+    pub(super) fn of_scene(from: DVec3, to: DVec3, extent: f64) -> Self {
+        Self::new(from, to, 8.0 * f64::EPSILON * extent.max(from.abs().max_element()))
+    }
+
     #[cfg(test)]
     pub(super) const fn vertical() -> Self {
         let to = DVec3::new(0.0, 0.0, 10.0);
@@ -117,13 +123,32 @@ impl Segment {
         if signs == [Some(0); 3] {
             return self.in_plane(id, corners);
         }
+        self.meet_at(id, corners, signs.map(|s| s.unwrap_or(0)))
+    }
+
+    /// As [`Self::meet`], where the line is known to pass through the inside.
+    pub(super) fn meet_inside(&self, id: u32, corners: &[DVec3; 3]) -> Meeting {
+        let [a, b, c] = *corners;
+        let normal = (b - a).cross(c - a);
+        // Well-conditioned as far as the caller knows; the full test decides otherwise.
+        let slope = normal.dot(self.along);
+        let certain = 1e-6 * normal.length() * self.along.length();
+        if slope.abs() > certain {
+            self.meet_at(id, corners, [sign(slope); 3])
+        } else {
+            self.meet(id, corners)
+        }
+    }
+
+    /// Where on the segment the triangle is met, given the sides on which the edges pass.
+    #[inline]
+    fn meet_at(&self, id: u32, corners: &[DVec3; 3], signs: [i8; 3]) -> Meeting {
         let (t, error) = self.position(corners);
         if t - error > 1.0 || t + error < 0.0 {
             Meeting::Miss
         } else if t - error <= 0.0 {
             Meeting::Touching
         } else {
-            let signs = signs.map(|s| s.unwrap_or(0));
             self.before_end(Contact { triangle: id, t, error, signs }, corners)
         }
     }

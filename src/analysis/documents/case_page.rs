@@ -3,7 +3,8 @@
 use super::{layers, shade};
 use crate::analysis::classify::Artifact;
 use crate::analysis::ladder::Rung;
-use crate::analysis::measure::{Measured, Measurement, Wrongs};
+use crate::analysis::measure::Measured;
+use crate::analysis::measurement::{Measurement, Wrongs};
 use crate::report::{
     Axis, Block, Cell, Colour, Column, Marker, Plot, Section, Series, Style, Table,
 };
@@ -132,13 +133,13 @@ fn numbers(m: &Measurement) -> Table {
     row("headroom", Cell::number(m.headroom), "window depth");
     row("smallest exact gap", Cell::number(m.exact_gap.map(|g| g.min)), "window depth");
     row("longest falsely lit strip", Cell::number(m.peter_panning.map(|l| l.world)), "world units");
-    row("the same", Cell::number(m.peter_panning.map(|l| l.texels)), "texels");
+    row("longest falsely lit strip", Cell::number(m.peter_panning.map(|l| l.texels)), "texels");
     row(
         "stripe period without bias",
         Cell::number(m.stripe_period.map(|l| l.world)),
         "world units",
     );
-    row("the same", Cell::number(m.stripe_period.map(|l| l.texels)), "texels");
+    row("stripe period without bias", Cell::number(m.stripe_period.map(|l| l.texels)), "texels");
     let column = |name: &str| Column { name: name.to_string(), ..Column::default() };
     Table {
         id: format!("{}-numbers", m.name),

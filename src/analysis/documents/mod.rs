@@ -6,7 +6,8 @@ mod layers;
 mod probes;
 mod shade;
 
-use super::measure::{Measured, Measurement, measure};
+use super::measure::{Measured, measure};
+use super::measurement::Measurement;
 use crate::device::DeviceProfile;
 use crate::report::{Cell, Column, Finding, Profile, Report, Section, Table, Verdict};
 use crate::scene::{Case, Cull, Filter, cases};

@@ -138,12 +138,9 @@ pub trait Raw:
     /// x·255 clamped to [0,255] (NaN gives 0), plus `half`, rounded down.
     #[must_use]
     fn byte_floor(self, half: Self) -> Self;
-    /// fl(self·factor): one rounding.
+    /// fl(self·a) + fl(self·b), rounded; with `fused`, fl(self·a + fl(self·b)).
     #[must_use]
-    fn times(self, factor: Self) -> Self;
-    /// fl(self + other): one rounding.
-    #[must_use]
-    fn plus(self, other: Self) -> Self;
+    fn product_sum(self, a: Self, b: Self, fused: bool) -> Self;
     /// The byte that it is (fraction dropped).
     fn byte(self) -> u8;
     /// The ordered bit pattern.

@@ -1,0 +1,187 @@
+//! Receivers sorted into the cells of a light-space grid: a stable counting sort.
+
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::super::Receiver;
+use super::frame::Frame;
+
+/// Vectors read this many receivers at once, so arrays are padded by as many.
+pub(super) const LANES: usize = 16;
+
+/// Cells per side of a block, over which the farthest receiver is known.
+pub(super) const BLOCK: usize = 8;
+
+/// Structure of arrays over the receivers of one frame, in the order of their cells.
+#[derive(Debug, Default)]
+pub(super) struct Bins {
+    /// Grid position, rounded to f32.
+    pub(super) x: Vec<f32>,
+    pub(super) y: Vec<f32>,
+    /// Depth towards the light, rounded to f32.
+    pub(super) depth: Vec<f32>,
+    /// The receiver's own triangle.
+    pub(super) own: Vec<u32>,
+    /// Index of the receiver in the caller's slice.
+    pub(super) index: Vec<u32>,
+    /// First receiver of each cell, row by row; one more at the end.
+    pub(super) start: Vec<u32>,
+    /// The smallest depth in each block of cells: its farthest receiver. Infinite where empty.
+    pub(super) farthest: Vec<f32>,
+    pub(super) cells: usize,
+}
+
+/// A receiver before sorting.
+#[derive(Clone, Copy, Default)]
+struct Placed {
+    x: f32,
+    y: f32,
+    depth: f32,
+    own: u32,
+}
+
+impl Placed {
+    #[inline(always)]
+    fn cell(self, cells: usize) -> usize {
+        let clamp = |x: f32| (x.max(0.0) as usize).min(cells - 1);
+        clamp(self.y) * cells + clamp(self.x)
+    }
+}
+
+impl Bins {
+    /// Sorts the receivers that `members` names.
+    pub(super) fn new(frame: &Frame, receivers: &[Receiver], members: Members) -> Self {
+        let cells = frame.cells;
+        let chunk = members.len().div_ceil(rayon::current_num_threads()).max(1);
+        let placed = placed(frame, receivers, members, chunk);
+        let (start, mut cursors) = offsets(&placed, chunk, cells);
+        let order = sorted(&placed, chunk, cells, &mut cursors);
+        let mut bins = Self { start, cells, ..Self::default() };
+        bins.fill(order, &placed, members);
+        bins.farthest = bins.farthest_by_block();
+        bins
+    }
+
+    /// Blocks along one axis.
+    pub(super) fn blocks(&self) -> usize {
+        self.cells.div_ceil(BLOCK)
+    }
+
+    fn fill(&mut self, order: Vec<AtomicU32>, placed: &[Placed], members: Members) {
+        self.index = order.into_iter().map(AtomicU32::into_inner).collect();
+        let take = |field: fn(&Placed) -> f32| {
+            let sorted = self.index.par_iter().with_min_len(1 << 16);
+            let mut values = Vec::with_capacity(self.index.len() + LANES);
+            sorted.map(|&k| field(&placed[k as usize])).collect_into_vec(&mut values);
+            values.resize(self.index.len() + LANES, 0.0);
+            values
+        };
+        (self.x, self.y, self.depth) = (take(|p| p.x), take(|p| p.y), take(|p| p.depth));
+        self.own = self.index.par_iter().map(|&k| placed[k as usize].own).collect();
+        if let Members::Some(members) = members {
+            self.index.par_iter_mut().for_each(|k| *k = members[*k as usize]);
+        }
+    }
+
+    fn farthest_by_block(&self) -> Vec<f32> {
+        let blocks = self.blocks();
+        let mut farthest = vec![f32::INFINITY; blocks * blocks];
+        for row in 0..self.cells {
+            for column in (0..self.cells).step_by(BLOCK) {
+                let end = (column + BLOCK).min(self.cells);
+                let run = self.run(row, column, end);
+                let least = self.depth[run].iter().copied().fold(f32::INFINITY, f32::min);
+                let block = &mut farthest[row / BLOCK * blocks + column / BLOCK];
+                *block = block.min(least);
+            }
+        }
+        farthest
+    }
+
+    /// Receivers of the cells `first..end` of a row.
+    #[inline(always)]
+    pub(super) fn run(&self, row: usize, first: usize, end: usize) -> std::ops::Range<usize> {
+        let base = row * self.cells;
+        self.start[base + first] as usize..self.start[base + end] as usize
+    }
+}
+
+/// The receivers of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Members<'a> {
+    /// All of so many.
+    All(usize),
+    /// Those with these indices.
+    Some(&'a [u32]),
+}
+
+impl Members<'_> {
+    pub(super) fn len(self) -> usize {
+        match self {
+            Self::All(len) => len,
+            Self::Some(members) => members.len(),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn index(self, k: usize) -> usize {
+        match self {
+            Self::All(_) => k,
+            Self::Some(members) => members[k] as usize,
+        }
+    }
+}
+
+/// Light-space places in the order of `members`.
+fn placed(frame: &Frame, receivers: &[Receiver], members: Members, chunk: usize) -> Vec<Placed> {
+    let place = |k: usize| {
+        let receiver = &receivers[members.index(k)];
+        let [x, y, depth] = frame.place(receiver.position).map(|x| x as f32);
+        Placed { x, y, depth, own: receiver.triangle }
+    };
+    let mut placed = Vec::new();
+    (0..members.len()).into_par_iter().with_min_len(chunk).map(place).collect_into_vec(&mut placed);
+    placed
+}
+
+/// Where each cell starts, and where each chunk's first receiver of each cell goes.
+fn offsets(placed: &[Placed], chunk: usize, cells: usize) -> (Vec<u32>, Vec<Vec<u32>>) {
+    let count = |placed: &[Placed]| {
+        let mut counts = vec![0_u32; cells * cells];
+        placed.iter().for_each(|p| counts[p.cell(cells)] += 1);
+        counts
+    };
+    let mut cursors: Vec<Vec<u32>> = placed.par_chunks(chunk).map(count).collect();
+    let mut start = Vec::with_capacity(cells * cells + 1);
+    let mut sum = 0;
+    for cell in 0..cells * cells {
+        start.push(sum);
+        for cursor in &mut cursors {
+            let counted = std::mem::replace(&mut cursor[cell], sum);
+            sum += counted;
+        }
+    }
+    start.push(sum);
+    (start, cursors)
+}
+
+/// For each place in the sorted order the position in `placed`. Places are disjoint between
+/// chunks; atomics only say so in safe code.
+fn sorted(
+    placed: &[Placed],
+    chunk: usize,
+    cells: usize,
+    cursors: &mut [Vec<u32>],
+) -> Vec<AtomicU32> {
+    let mut order = Vec::new();
+    order.resize_with(placed.len(), AtomicU32::default);
+    placed.par_chunks(chunk).zip(cursors).enumerate().for_each(|(c, (placed, cursor))| {
+        for (k, p) in placed.iter().enumerate() {
+            let place = &mut cursor[p.cell(cells)];
+            order[*place as usize].store((c * chunk + k) as u32, Relaxed);
+            *place += 1;
+        }
+    });
+    order
+}

@@ -1,0 +1,304 @@
+//! Triangles in light space: which cells they may shadow, and their planes with error bounds.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::bins::{BLOCK, Bins};
+use super::frame::{Frame, Vertex};
+use crate::scene::Geometry;
+
+/// Half an ulp of 1 in f32.
+const U32: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Triangles that are set up at once.
+pub(super) const BATCH: usize = 8;
+
+/// A triangle and the cells that it may shadow, both ends included.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    pub(super) columns: [u16; 2],
+    pub(super) rows: [u16; 2],
+}
+
+/// Light-space vertices, and their grid positions and depths in f32 (NaN where a vertex is behind
+/// the light or nearly so).
+#[derive(Debug)]
+pub(super) struct Vertices {
+    exact: Vec<Vertex>,
+    screen: Vec<[f32; 3]>,
+}
+
+impl Vertices {
+    pub(super) fn new(frame: &Frame, geometry: &Geometry) -> Self {
+        let (mut exact, mut screen) = (Vec::new(), Vec::new());
+        let place = |&p: &DVec3| {
+            let vertex = frame.vertex(p);
+            (vertex, on_screen(&vertex))
+        };
+        let vertices = geometry.positions.par_iter().with_min_len(4096).map(place);
+        vertices.unzip_into_vecs(&mut exact, &mut screen);
+        Self { exact, screen }
+    }
+
+    /// The cells that a triangle may shadow, or none.
+    ///
+    /// Left out is a triangle whose cells hold no receiver, and one that is farther from the light
+    /// than the farthest receiver of its blocks: depth over a triangle is largest at a corner.
+    #[inline(always)]
+    pub(super) fn item(&self, corners: [u32; 3], bins: &Bins) -> Option<Item> {
+        let [a, b, c] = corners.map(|v| self.screen[v as usize]);
+        let low = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
+        let high = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
+        let nearest = a[2].max(b[2]).max(c[2]);
+        if (a[2] + b[2] + c[2]).is_nan() {
+            let (low, high) = self.clipped(corners, bins.cells as f64)?;
+            return shadowing(cells(low, high, bins.cells)?, f32::INFINITY, bins);
+        }
+        shadowing(cells(low, high, bins.cells)?, nearest, bins)
+    }
+
+    /// Bounds on the grid of a triangle that reaches behind the light: it is clipped to the
+    /// pyramid over the grid (one cell wider), whose sides leave nothing behind the light.
+    #[cold]
+    #[inline(never)]
+    fn clipped(&self, corners: [u32; 3], cells: f64) -> Option<([f32; 2], [f32; 2])> {
+        let corners = corners.map(|v| self.exact[v as usize].v);
+        let everywhere = Some(([0.0; 2], [cells as f32; 2]));
+        if may_hold_light(corners) {
+            return everywhere;
+        }
+        let mut polygon = corners.to_vec();
+        let sides = [
+            DVec3::new(1.0, 0.0, 1.0),
+            DVec3::new(-1.0, 0.0, cells + 1.0),
+            DVec3::new(0.0, 1.0, 1.0),
+            DVec3::new(0.0, -1.0, cells + 1.0),
+        ];
+        for side in sides {
+            polygon = clip(&polygon, side);
+        }
+        let size = polygon.iter().fold(0.0, |m: f64, v| m.max(v.abs().max_element()));
+        if polygon.iter().any(|v| v.z <= size * 1e-9) {
+            return everywhere;
+        }
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        for v in &polygon {
+            let at = [(v.x / v.z) as f32, (v.y / v.z) as f32];
+            (low, high) = ([0, 1].map(|k| low[k].min(at[k])), [0, 1].map(|k| high[k].max(at[k])));
+        }
+        (!polygon.is_empty()).then_some((low, high))
+    }
+
+    /// Adds a triangle to a batch.
+    #[inline(always)]
+    pub(super) fn load(&self, batch: &mut Batch, id: u32, corners: [u32; 3], item: Item) {
+        let k = batch.len;
+        let middle = |[a, b]: [u16; 2]| (f64::from(a) + f64::from(b) + 1.0) / 2.0;
+        let wide = (item.columns[1] - item.columns[0]).max(item.rows[1] - item.rows[0]);
+        (batch.ids[k], batch.items[k]) = (id, item);
+        (batch.middle[0][k], batch.middle[1][k]) = (middle(item.columns), middle(item.rows));
+        batch.reach[k] = f64::from(wide) / 2.0 + 1.0;
+        batch.far[k] = 0.0;
+        for (corner, v) in corners.iter().enumerate() {
+            let vertex = &self.exact[*v as usize];
+            for axis in 0..3 {
+                batch.corners[corner][axis][k] = vertex.v[axis];
+            }
+            batch.weights[corner][k] = vertex.q;
+            batch.far[k] = batch.far[k].max(vertex.far);
+        }
+        batch.len += 1;
+    }
+}
+
+/// Triangles on their way to planes, structure of arrays.
+#[derive(Debug)]
+pub(super) struct Batch {
+    pub(super) len: usize,
+    pub(super) ids: [u32; BATCH],
+    pub(super) items: [Item; BATCH],
+    corners: [[[f64; BATCH]; 3]; 3],
+    weights: [[f64; BATCH]; 3],
+    far: [f64; BATCH],
+    middle: [[f64; BATCH]; 2],
+    reach: [f64; BATCH],
+}
+
+/// Affine functions of the position relative to `origin`, in f32 and in units of their own error
+/// bound: below -1 the exact value is negative, above 1 it is positive, for every receiver of the
+/// item's cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planes {
+    /// Middle of the cells; edges (`a dx + b dy + c`, positive inside); depth of the plane and the
+    /// factor of the receiver's depth to subtract; the error bound of the depth.
+    values: [[f32; BATCH]; PLANE_VALUES],
+}
+
+const PLANE_VALUES: usize = 2 + 9 + 3 + 1 + 1;
+
+/// One triangle of [`Planes`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    pub(super) origin: [f32; 2],
+    pub(super) edges: [[f32; 3]; 3],
+    pub(super) depth: [f32; 3],
+    pub(super) per_depth: f32,
+    pub(super) depth_error: f32,
+}
+
+impl Planes {
+    #[inline(always)]
+    pub(super) fn get(&self, k: usize) -> Plane {
+        let v = |i: usize| self.values[i][k];
+        Plane {
+            origin: [v(0), v(1)],
+            edges: [[v(2), v(3), v(4)], [v(5), v(6), v(7)], [v(8), v(9), v(10)]],
+            depth: [v(11), v(12), v(13)],
+            per_depth: v(14),
+            depth_error: v(15),
+        }
+    }
+}
+
+impl Batch {
+    pub(super) const EMPTY: Self = Self {
+        len: 0,
+        ids: [0; BATCH],
+        items: [Item { columns: [0; 2], rows: [0; 2] }; BATCH],
+        corners: [[[0.0; BATCH]; 3]; 3],
+        weights: [[0.0; BATCH]; 3],
+        far: [0.0; BATCH],
+        middle: [[0.0; BATCH]; 2],
+        reach: [0.0; BATCH],
+    };
+
+    /// The planes of all triangles: one loop without branches, so that it vectorises.
+    #[inline(always)]
+    pub(super) fn planes(&self, frame: &Frame) -> Planes {
+        let mut values = [[0.0_f32; BATCH]; PLANE_VALUES];
+        for k in 0..BATCH {
+            let corner = |c: usize| {
+                // Relative to the middle of the cells, so that small triangles keep their digits.
+                let [x, y, z] = [0, 1, 2].map(|axis| self.corners[c][axis][k]);
+                [x - self.middle[0][k] * z, y - self.middle[1][k] * z, z]
+            };
+            let v = [corner(0), corner(1), corner(2)];
+            let weights = [0, 1, 2].map(|c| self.weights[c][k]);
+            let plane = plane(v, weights, self.far[k], self.reach[k], frame);
+            values[0][k] = self.middle[0][k] as f32;
+            values[1][k] = self.middle[1][k] as f32;
+            for i in 0..14 {
+                values[2 + i][k] = plane[i];
+            }
+        }
+        Planes { values }
+    }
+}
+
+/// Edges, depth and error of one triangle, from [`Planes::values`] 2 on. Where the area is lost in
+/// the rounding of the vertices all is 0: every receiver of the cells is a candidate.
+#[inline(always)]
+fn plane(v: [[f64; 3]; 3], q: [f64; 3], far: f64, reach: f64, frame: &Frame) -> [f32; 14] {
+    let e = [cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])];
+    let det = v[0][0] * e[0][0] + v[0][1] * e[0][1] + v[0][2] * e[0][2];
+    let largest = |axis: usize| v[0][axis].abs().max(v[1][axis].abs()).max(v[2][axis].abs());
+    let size = largest(0).max(largest(1)).max(largest(2));
+    // The receiver's f32 position, the subtraction of the origin and the f32 sums.
+    let place = U32 * (1.5 * frame.cells as f64 + 8.0 * reach);
+    // An edge is off by the rounding of its vertices times their size.
+    let vertex_error = frame.rounding * far + frame.shift_rounding;
+    let rough = 4.0 * vertex_error * size * (1.0 + reach);
+    let area_error = 4.0 * rough * largest(2);
+    let decided = if det.abs() > 4.0 * area_error { 1.0 } else { 0.0 };
+    let side = if det < 0.0 { -decided } else { decided };
+    let mut out = [0.0; 14];
+    for (k, e) in e.iter().enumerate() {
+        let error = (e[0].abs() + e[1].abs()) * place + 4.0 * U32 * e[2].abs() + rough;
+        let unit = side / (error + 1e-300);
+        (out[3 * k], out[3 * k + 1]) = ((e[0] * unit) as f32, (e[1] * unit) as f32);
+        out[3 * k + 2] = (e[2] * unit) as f32;
+    }
+    let inverse = 1.0 / (det + (1.0 - decided));
+    let depth = [0, 1, 2].map(|i| (e[0][i] * q[0] + e[1][i] * q[1] + e[2][i] * q[2]) * inverse);
+    let weight = q[0].abs().max(q[1].abs()).max(q[2].abs());
+    let slope = depth[0].abs() + depth[1].abs();
+    let error = slope * place
+        + 8.0 * U32 * (depth[2].abs() + frame.depth_scale)
+        + 4.0 * weight * rough * inverse.abs()
+        + area_error * inverse.abs() * (depth[2].abs() + slope * reach);
+    let unit = decided / (error + 1e-300);
+    for i in 0..3 {
+        out[9 + i] = (depth[i] * unit) as f32;
+    }
+    out[12] = unit as f32;
+    out[13] = (error * 1.001) as f32;
+    out
+}
+
+#[inline(always)]
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Grid position and depth, NaN within a thousandth of the plane of the light or behind it.
+#[inline(always)]
+fn on_screen(vertex: &Vertex) -> [f32; 3] {
+    let Vertex { v, q, .. } = *vertex;
+    let inverse = 1.0 / v.z;
+    let at = [v.x * inverse, v.y * inverse, q * inverse];
+    let far = at[0].abs().max(at[1].abs()) < 1e6;
+    if v.z > 0.0 && far { [at[0] as f32, at[1] as f32, at[2] as f32] } else { [f32::NAN; 3] }
+}
+
+/// Whether the box of a triangle reaches to the light: then every segment may end on it.
+fn may_hold_light([a, b, c]: [DVec3; 3]) -> bool {
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let pad = low.abs().max(high.abs()) * 1e-9;
+    (low - pad).max_element() <= 0.0 && (high + pad).min_element() >= 0.0
+}
+
+/// The part of a polygon on the positive side of a plane through the light.
+fn clip(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (k, &v) in polygon.iter().enumerate() {
+        let next = polygon[(k + 1) % polygon.len()];
+        let (here, there) = (side.dot(v), side.dot(next));
+        if here >= 0.0 {
+            kept.push(v);
+        }
+        if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+            kept.push(v + (next - v) * (here / (here - there)));
+        }
+    }
+    kept
+}
+
+/// The cells that bounds touch, widened by the rounding of f32 positions.
+#[inline(always)]
+fn cells(low: [f32; 2], high: [f32; 2], cells: usize) -> Option<[[u16; 2]; 2]> {
+    let pad = |x: f32| 1.0 / 1024.0 + x.abs() * (1.0 / 2_097_152.0);
+    let last = cells as f32 - 1.0;
+    let range = |k: usize| {
+        let (first, end) = (low[k] - pad(low[k]), high[k] + pad(high[k]));
+        let inside = end >= 0.0 && first < cells as f32;
+        inside.then(|| [first.clamp(0.0, last) as u16, end.clamp(0.0, last) as u16])
+    };
+    Some([range(0)?, range(1)?])
+}
+
+/// The item, unless every receiver of its cells is nearer to the light, or there is none.
+#[inline(always)]
+fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Option<Item> {
+    let block = |x: u16| usize::from(x) / BLOCK;
+    let mut farthest = f32::INFINITY;
+    for row in block(rows[0])..=block(rows[1]) {
+        let base = row * bins.blocks();
+        let run = &bins.farthest[base + block(columns[0])..=base + block(columns[1])];
+        farthest = run.iter().fold(farthest, |m, &x| m.min(x));
+    }
+    let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
+    let shadows = farthest < f32::INFINITY && nearest + margin >= farthest;
+    let (left, right) = (usize::from(columns[0]), usize::from(columns[1]) + 1);
+    let full = |row: u16| !bins.run(usize::from(row), left, right).is_empty();
+    (shadows && (rows[0]..=rows[1]).any(full)).then_some(Item { columns, rows })
+}
