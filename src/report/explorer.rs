@@ -22,6 +22,10 @@ pub struct Explorer {
     pub width: u32,
     /// Samples down.
     pub height: u32,
+    /// Canvas pixels from sample to sample, for people who look a pixel up; 0 counts as 1.
+    pub step: u32,
+    /// Whether canvas rows count from the bottom, as WebGL's do.
+    pub bottom_up: bool,
     /// What the reader drags.
     pub slider: Slider,
     /// The classes that codes mean, in legend order.
@@ -98,7 +102,7 @@ pub struct View {
     pub codes: Vec<Codes>,
     /// What the inspector shows.
     pub detail: Detail,
-    /// A command that explains one sample; `{x}` and `{y}` stand for its place, may be empty.
+    /// A command that explains one pixel; `{x}` and `{y}` stand for its place, may be empty.
     pub command: String,
 }
 
