@@ -414,6 +414,18 @@ impl<'a> Observer<'a> {
         texels.iter().copied().min_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap_or(texels[0])
     }
 
+    /// Whose surface a tap's own verdict rests on, and whether its texel is sound. Where a mix of
+    /// texels makes a false shadow, the nearest of them to the light.
+    #[must_use]
+    pub fn tap_caster(&self, o: &Observation, tap: usize) -> (StoredCaster, bool) {
+        let texels = o.taps.texels(tap);
+        let depth = |t: &u32| self.subject.map.depth(&self.subject.device, *t as usize);
+        let nearest = || texels.iter().copied().min_by(|a, b| depth(a).total_cmp(&depth(b)));
+        let mixed = self.case().lookup.filter == Filter::Linear && o.truly_lit() == Some(true);
+        let texel = if mixed { nearest().unwrap_or(texels[0]) } else { texels[0] };
+        (self.stored_caster(o, texel), self.is_sound(texel))
+    }
+
     /// Whether a texel decodes to the depth it was drawn with, up to two codes of one 8-bit channel:
     /// what even the coarsest sound store keeps.
     fn is_sound(&self, texel: u32) -> bool {

@@ -22,6 +22,10 @@ pub struct Explorer {
     pub width: u32,
     /// Samples down.
     pub height: u32,
+    /// Canvas pixels from sample to sample, for people who look a pixel up; 0 counts as 1.
+    pub step: u32,
+    /// Whether canvas rows count from the bottom, as WebGL's do.
+    pub bottom_up: bool,
     /// What the reader drags.
     pub slider: Slider,
     /// The classes that codes mean, in legend order.
@@ -93,13 +97,12 @@ pub struct View {
     pub breakpoints: Vec<f32>,
     /// Truth of each sample.
     pub truth: Vec<Truth>,
-    /// Codes of each sample, or of each tap: then the wrong tap that is wrong over the longest
-    /// range of slider values decides (the largest breakpoint of false shadow, the smallest of
-    /// false light).
+    /// Codes of each sample, or of each tap: then the first wrong tap decides, so the tap that
+    /// should decide stands first. Where none is wrong the first tap's codes hold.
     pub codes: Vec<Codes>,
     /// What the inspector shows.
     pub detail: Detail,
-    /// A command that explains one sample; `{x}` and `{y}` stand for its place, may be empty.
+    /// A command that explains one pixel; `{x}` and `{y}` stand for its place, may be empty.
     pub command: String,
 }
 
@@ -194,7 +197,7 @@ impl View {
             Truth::Lit => !wrong,
             Truth::Shadowed => wrong,
         };
-        let codes = self.codes_of(sample, self.deciding_tap(sample));
+        let codes = self.codes_of(sample, self.deciding_tap(sample, value));
         match (lit, value >= codes.late) {
             (false, _) => codes.shadowed,
             (true, false) => codes.lit,
@@ -207,15 +210,11 @@ impl View {
         self.codes[if per_tap { sample * self.taps + tap } else { sample }]
     }
 
-    /// The first tap with the largest breakpoint of a truly lit sample, with the smallest of a
-    /// shadowed one: it is wrong whenever any is.
-    fn deciding_tap(&self, sample: usize) -> usize {
-        let taps = self.taps_of(sample);
-        let further = |a: f32, b: f32| match self.truth[sample] {
-            Truth::Lit => a > b,
-            _ => a < b,
-        };
-        (1..taps.len()).fold(0, |best, tap| if further(taps[tap], taps[best]) { tap } else { best })
+    /// The first tap whose verdict at `value` is wrong, or the first of all.
+    fn deciding_tap(&self, sample: usize, value: f32) -> usize {
+        let truly_lit = self.truth[sample] == Truth::Lit;
+        let wrong = |breakpoint: &f32| (value >= *breakpoint) != truly_lit;
+        self.taps_of(sample).iter().position(wrong).unwrap_or(0)
     }
 
     /// The cause of a grid sample's wrong verdict at `value`: the first rung from which it is
@@ -287,7 +286,7 @@ impl Explorer {
             if wrong == 0 || wrong == view.taps {
                 return shown;
             }
-            let codes = view.codes_of(sample, view.deciding_tap(sample));
+            let codes = view.codes_of(sample, view.deciding_tap(sample, value));
             let truly_lit = view.truth[sample] == Truth::Lit;
             let right = colour(if truly_lit { codes.lit } else { codes.shadowed });
             mixed(right, shown, wrong, view.taps)

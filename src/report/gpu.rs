@@ -9,7 +9,7 @@ pub struct GpuPanel {
     pub title: String,
     /// One sentence: what a reader should try.
     pub caption: String,
-    /// Values that every pair is run on, in [0, 1]; 1.0 is run as well.
+    /// Values that every pair is run on, in [0, 1); 1.0 is run beside them.
     pub depths: Vec<f32>,
     /// Pairs to run, each in highp and in mediump.
     pub pairs: Vec<ShaderPair>,

@@ -1,6 +1,6 @@
 //! One case on the page: verdict, pictures, trade-off curve, numbers.
 
-use super::{layers, shade};
+use super::{explore, layers, shade};
 use crate::analysis::classify::Artifact;
 use crate::analysis::ladder::Rung;
 use crate::analysis::measure::Measured;
@@ -27,6 +27,7 @@ pub(super) fn section(measured: &Measured<'_>, step: u32) -> Section {
         shaded.into(),
         shade::map(observer).into(),
     ]));
+    section.push(explore::explorer(measured, step));
     section.push(curve(measured));
     section.push(numbers(m));
     section.push(causes(m));

@@ -1,6 +1,7 @@
 //! The documents' systems measured end to end, and the report that shows them.
 
 mod case_page;
+mod explore;
 pub mod findings;
 mod layers;
 mod probes;

@@ -11,6 +11,8 @@ use crate::report::palette::Colour;
 struct Description<'a> {
     width: u32,
     height: u32,
+    step: u32,
+    bottom_up: bool,
     slider: SliderView<'a>,
     classes: Vec<(&'a str, [u8; 3])>,
     views: Vec<ViewView<'a>>,
@@ -57,6 +59,8 @@ pub(in crate::report) fn pack(explorer: &Explorer) -> (String, String) {
     let description = Description {
         width: explorer.width,
         height: explorer.height,
+        step: explorer.step.max(1),
+        bottom_up: explorer.bottom_up,
         slider: SliderView {
             label: &slider.label,
             low: slider.low,

@@ -121,17 +121,24 @@ class Inspector {
     context.strokeRect(91.5, 91.5, 12, 12);
   }
 
+  // The canvas pixel of a sample.
+  pixel(x, y) {
+    const { step, bottom_up, height } = this.owner.about;
+    return [x * step, (bottom_up ? height - 1 - y : y) * step];
+  }
+
   lines(view, x, y) {
     const { about, value } = this.owner, s = y * about.width + x, wrong = wrongTaps(view, s, value);
     const truth = ["lit", "shadowed", "counted apart"][view.truth[s]];
-    const lines = [["sample", `${x}, ${y}`], ["truth", truth], ["class", about.classes[classOf(view, s, value, wrong)][0]]];
+    const [px, py] = this.pixel(x, y);
+    const lines = [["pixel", `${px}, ${py}`], ["truth", truth], ["class", about.classes[classOf(view, s, value)][0]]];
     if (view.truth[s] !== APART) {
       const taps = Array.from(view.breakpoints.subarray(s * view.taps, (s + 1) * view.taps), short);
       lines.push([view.taps > 1 ? "lit from, each tap" : "lit from", taps.join(" ")]);
       if (view.taps > 1) lines.push(["wrong taps", `${wrong} of ${view.taps}`]);
     }
     lines.push(...this.measured(view, x, y));
-    if (view.command) lines.push(["explain", make("code", {}, view.command.replace("{x}", x).replace("{y}", y))]);
+    if (view.command) lines.push(["explain", make("code", {}, view.command.replace("{x}", px).replace("{y}", py))]);
     return lines;
   }
 
@@ -141,7 +148,7 @@ class Inspector {
     const { about, value } = this.owner, grid = gridOf(view, about.width, about.height);
     const [gx, gy] = [Math.floor(x / view.every), Math.floor(y / view.every)];
     const index = gy * grid.across + gx, lines = [];
-    if (view.every > 1) lines.push(["measured at", `${gx * view.every}, ${gy * view.every}`]);
+    if (view.every > 1) lines.push(["measured at", this.pixel(gx * view.every, gy * view.every).join(", ")]);
     if (view.rungs.length) {
       const cause = causeOf(view, index, grid.sample(gx, gy), value);
       lines.push(["cause", cause < 0 ? "none: the verdict is right" : view.causes[cause][0]]);

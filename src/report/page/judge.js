@@ -12,28 +12,25 @@ function decodeView(view, bytes) {
   return decide(decoded);
 }
 
-// The tap that is wrong whenever any is decides: the largest breakpoint of a truly lit sample, the
-// smallest of a shadowed one. Its codes are the sample's codes.
+// A truly lit sample is wrong below its largest breakpoint, a shadowed one from its smallest on.
 function decide(view) {
   const { taps, truth, breakpoints } = view;
-  const samples = truth.length, perTap = view.shadowed.length > samples;
-  const chosen = new Uint32Array(samples);
-  view.decisive = new Float32Array(samples);
-  for (let s = 0; s < samples; s++) {
-    let best = s * taps;
-    for (let t = best + 1; t < (s + 1) * taps; t++) {
-      const further = truth[s] === LIT ? breakpoints[t] > breakpoints[best] : breakpoints[t] < breakpoints[best];
-      if (further) best = t;
-    }
-    // What is counted apart never says lit, and has the codes of its first tap.
-    if (truth[s] === APART) best = s * taps;
-    view.decisive[s] = truth[s] === APART ? Infinity : breakpoints[best];
-    chosen[s] = perTap ? best : s;
-  }
-  for (const name of ["shadowed", "lit", "lit_late", "late"]) {
-    if (perTap) view[name] = view[name].constructor.from(chosen, (index) => view[name][index]);
+  view.perTap = view.shadowed.length > truth.length;
+  view.decisive = new Float32Array(truth.length).fill(Infinity);
+  for (let s = 0; s < truth.length; s++) {
+    const own = breakpoints.subarray(s * taps, (s + 1) * taps);
+    if (truth[s] !== APART) view.decisive[s] = own.reduce((a, b) => (truth[s] === LIT) === b > a ? b : a);
   }
   return view;
+}
+
+// Where a sample's codes stand: those of its first wrong tap decide.
+function codesOf(view, s, value, wrong) {
+  if (!view.perTap) return s;
+  const { taps, breakpoints } = view, lit = view.truth[s] === LIT;
+  let t = s * taps;
+  if (wrong) while ((value >= breakpoints[t]) === lit) t++;
+  return t;
 }
 
 function wrongTaps(view, s, value) {
@@ -45,9 +42,16 @@ function wrongTaps(view, s, value) {
   return truth === LIT ? view.taps - lit : lit;
 }
 
-function classOf(view, s, value, wrong) {
-  if (view.truth[s] === APART || (view.truth[s] === LIT) === wrong > 0) return view.shadowed[s];
-  return value >= view.late[s] ? view.lit_late[s] : view.lit[s];
+function classOf(view, s, value) {
+  const says = value >= view.decisive[s], wrong = view.truth[s] !== APART && says !== (view.truth[s] === LIT);
+  const at = codesOf(view, s, value, wrong);
+  return says ? (value >= view.late[at] ? view.lit_late[at] : view.lit[at]) : view.shadowed[at];
+}
+
+// The class of a right verdict, with which partly wrong samples are mixed.
+function rightClass(view, s, value) {
+  const at = codesOf(view, s, value, true);
+  return view.truth[s] === LIT ? view.lit[at] : view.shadowed[at];
 }
 
 // The index of the first rung from which a wrong sample stays wrong to the end; -1 where right.
@@ -62,18 +66,19 @@ function causeOf(view, grid, s, value) {
 // Counts every sample, and paints it where `paint` gives pixels, a colour per class and `mixed` colours
 // for samples of which only some taps are wrong. The one loop that runs on every slider move.
 function survey(view, classes, value, paint) {
-  const { truth, decisive, late, shadowed, lit, lit_late, taps } = view;
+  const { truth, decisive, late, shadowed, lit, lit_late, taps, perTap } = view;
   const counts = new Uint32Array(classes), sides = [[0, 0], [0, 0]];
   for (let s = 0; s < truth.length; s++) {
-    const says = value >= decisive[s];
-    const code = says ? (value >= late[s] ? lit_late[s] : lit[s]) : shadowed[s];
+    const says = value >= decisive[s], wrong = truth[s] !== APART && says !== (truth[s] === LIT);
+    const at = perTap ? codesOf(view, s, value, wrong) : s;
+    const code = says ? (value >= late[at] ? lit_late[at] : lit[at]) : shadowed[at];
     counts[code]++;
     if (paint) paint.pixels[s] = paint.colours[code];
-    if (truth[s] === APART || says === (truth[s] === LIT)) continue;
-    const wrong = taps === 1 ? 1 : wrongTaps(view, s, value), side = sides[truth[s]];
+    if (!wrong) continue;
+    const many = taps === 1 ? 1 : wrongTaps(view, s, value), side = sides[truth[s]];
     side[0]++;
-    side[1] += wrong;
-    if (paint && wrong < taps) paint.pixels[s] = paint.mixed(truth[s] === LIT ? lit[s] : shadowed[s], code, wrong);
+    side[1] += many;
+    if (paint && many < taps) paint.pixels[s] = paint.mixed(rightClass(view, s, value), code, many);
   }
   return { classes: [...counts], false_shadow: sides[LIT], false_light: sides[SHADOWED] };
 }
