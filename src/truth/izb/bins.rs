@@ -78,7 +78,9 @@ impl Bins {
             values
         };
         (self.x, self.y, self.depth) = (take(|p| p.x), take(|p| p.y), take(|p| p.depth));
-        self.own = self.index.par_iter().map(|&k| placed[k as usize].own).collect();
+        let owns = self.index.par_iter().with_min_len(1 << 16).map(|&k| placed[k as usize].own);
+        owns.collect_into_vec(&mut self.own);
+        self.own.resize(self.index.len() + LANES, 0);
         if let Members::Some(members) = members {
             self.index.par_iter_mut().for_each(|k| *k = members[*k as usize]);
         }
