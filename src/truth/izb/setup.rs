@@ -264,14 +264,12 @@ fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Grid position and depth, NaN within a thousandth of the plane of the light or behind it.
+/// Grid position and depth; NaN behind the light, or nearly beside it.
 #[inline(always)]
 fn on_screen(vertex: &Vertex) -> [f32; 3] {
-    let Vertex { v, q, .. } = *vertex;
-    let inverse = 1.0 / v.z;
-    let at = [v.x * inverse, v.y * inverse, q * inverse];
-    let far = at[0].abs().max(at[1].abs()) < 1e6;
-    if v.z > 0.0 && far { [at[0] as f32, at[1] as f32, at[2] as f32] } else { [f32::NAN; 3] }
+    let at = vertex.place();
+    let near_axis = at[0].abs() < 1e6 && at[1].abs() < 1e6;
+    if vertex.v.z > 0.0 && near_axis { at.map(|x| x as f32) } else { [f32::NAN; 3] }
 }
 
 /// Whether the box of a triangle reaches to the light: then every segment may end on it.
