@@ -1,20 +1,27 @@
 //! How fast is the truth: rays, raster, and the public tracers on the same scene?
 //!
-//! `cargo bench --bench truth [-- terrain|bunny-sized|sheets] [--dump DIR] [--quick]`. Times are the
-//! medians of several rounds in turn; one thread: processor time, more: wall time.
+//! `cargo bench --bench truth [-- terrain|still-life|sheets]`. Times are medians over rounds in which
+//! all ways take turns; processor time on one thread, wall time on two. `GNOMON_DUMP=DIR` writes the
+//! scenes and rays for `embree.py`.
 
 #[path = "../../tests/support/meshes.rs"]
 mod meshes;
 
 use std::hint::black_box;
-use std::time::Instant;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use gnomon::scene::Geometry;
 use gnomon::simd::Level;
 use gnomon::truth::izb::{Options, truths_with};
-use gnomon::truth::{Answer, Faces, FirstHit, LightEnd, Receiver, Tracer, Truth};
+use gnomon::truth::{Faces, FirstHit, LightEnd, Receiver, Tracer, Truth};
 use meshes::{append, append_grid, icosphere};
+use obvhs::BvhBuildParams;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::ray::Ray;
+use obvhs::rt_triangle::RtTriangle;
+use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
 fn main() {
@@ -36,53 +43,88 @@ fn main() {
             ("point", LightEnd::Point(sun * 30.0)),
             ("directional", LightEnd::Along(sun.normalize() * tracer.reach())),
         ];
+        let peer = Obvhs::new(&scene);
+        println!("  tree of obvhs {:.0} ms", peer.built);
+        let mut rays = Vec::new();
         for (kind, light) in lights {
-            one_light(kind, &scene, &tracer, &receivers, light);
+            let segments = lifted(&scene, &receivers, light);
+            one_light(
+                kind,
+                &Job {
+                    scene: &scene,
+                    tracer: &tracer,
+                    peer: &peer,
+                    receivers: &receivers,
+                    light,
+                    segments: &segments,
+                },
+            );
+            rays.push((kind, segments));
+        }
+        if let Ok(folder) = std::env::var("GNOMON_DUMP") {
+            dump(Path::new(&folder), name, &scene, &rays);
         }
     }
 }
 
-/// Times every way under one light, and compares the answers.
-fn one_light(
-    kind: &str,
-    scene: &Geometry,
-    tracer: &Tracer,
-    receivers: &[Receiver],
+/// One scene under one light.
+struct Job<'a> {
+    scene: &'a Geometry,
+    tracer: &'a Tracer,
+    peer: &'a Obvhs,
+    receivers: &'a [Receiver],
     light: LightEnd,
-) {
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-    let raster = |level| truths_with(scene, receivers, light, Options { level });
+    segments: &'a [(DVec3, DVec3)],
+}
+
+/// Compares the answers, then times every way in turn.
+fn one_light(kind: &str, job: &Job) {
+    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads");
+    let (one, two) = (pool(1), pool(2));
+    let raster = |level| truths_with(job.scene, job.receivers, job.light, Options { level });
     let (answers, work) = one.install(|| raster(Level::best()));
-    let arbiter = two.install(|| tracer.truths(receivers, light));
+    let arbiter = two.install(|| job.tracer.truths(job.receivers, job.light));
     let count = |want: fn(&Truth) -> bool| answers.iter().filter(|a| want(&a.truth)).count();
     println!(
-        "  {kind}: {} shadowed, {} ambiguous, {} triangles swept, {} pairs escalated, {} answers differ from the rays",
+        "  {kind}: {} shadowed (obvhs {}), {} ambiguous; {} triangles swept, {} pairs escalated; \
+         {} answers differ from the rays",
         count(|t| matches!(t, Truth::Shadowed(_))),
+        job.peer.shadowed(job.segments),
         count(|t| *t == Truth::Ambiguous),
         work.triangles,
         work.escalated,
         answers.iter().zip(&arbiter).filter(|(a, b)| a != b).count(),
     );
-    let rays = || tracer.truths(receivers, light);
-    report("rays, one thread", receivers, 1, || one.install(|| cpu_ms(rays)));
-    for &level in Level::ALL.iter().rev().filter(|level| level.is_available()) {
-        let name = format!("raster, one thread, {level}");
-        report(&name, receivers, 5, || one.install(|| cpu_ms(|| raster(level))));
+    let ways: [(&str, &dyn Fn() -> f64); 7] = [
+        ("raster, one thread", &|| one.install(|| cpu_ms(|| raster(Level::best())))),
+        ("raster, one thread, avx2", &|| {
+            one.install(|| cpu_ms(|| raster(Level::best().min(Level::Avx2))))
+        }),
+        ("raster, one thread, baseline", &|| one.install(|| cpu_ms(|| raster(Level::Baseline)))),
+        ("obvhs cwbvh f32, trace only", &|| cpu_ms(|| job.peer.shadowed(job.segments))),
+        ("exact rays, one thread, trace", &|| {
+            one.install(|| cpu_ms(|| job.tracer.truths(job.receivers, job.light)))
+        }),
+        ("raster, one thread, wall", &|| one.install(|| wall_ms(|| raster(Level::best())))),
+        ("raster, two threads, wall", &|| two.install(|| wall_ms(|| raster(Level::best())))),
+    ];
+    let mut times = vec![Vec::new(); ways.len()];
+    for _ in 0..ROUNDS {
+        for (times, (_, way)) in times.iter_mut().zip(&ways) {
+            times.push(way());
+        }
     }
-    report("raster, one thread, wall", receivers, 5, || {
-        one.install(|| wall_ms(|| raster(Level::best())))
-    });
-    report("raster, two threads, wall", receivers, 5, || {
-        two.install(|| wall_ms(|| raster(Level::best())))
-    });
+    for (times, (name, _)) in times.iter_mut().zip(&ways) {
+        report(name, job.receivers.len(), times);
+    }
 }
 
-fn report(name: &str, receivers: &[Receiver], rounds: usize, mut time: impl FnMut() -> f64) {
-    let mut times: Vec<f64> = (0..rounds).map(|_| time()).collect();
+const ROUNDS: usize = 7;
+
+fn report(name: &str, receivers: usize, times: &mut [f64]) {
     times.sort_by(f64::total_cmp);
-    let (best, median) = (times[0], times[rounds / 2]);
-    let rate = receivers.len() as f64 / median / 1e3;
+    let (best, median) = (times[0], times[times.len() / 2]);
+    let rate = receivers as f64 / median / 1e3;
     println!("    {name:32} {median:8.1} ms (best {best:.1}), {rate:.2} M receivers a second");
 }
 
@@ -133,7 +175,7 @@ fn on_plane(scene: &Geometry, triangle: u32, p: DVec3) -> DVec3 {
 
 type Scene = (&'static str, Geometry, DVec3, DVec3);
 
-/// 640 * 640 bumpy squares and twelve spheres: 1,065,x triangles.
+/// 640 * 640 bumpy squares and twelve spheres: 1,064,960 triangles.
 fn terrain() -> Scene {
     let mut scene = Geometry::default();
     let wave = |x: f64, z: f64| {
@@ -180,7 +222,63 @@ fn in_f32(mut scene: Geometry) -> Geometry {
     scene
 }
 
-#[allow(dead_code, reason = "used by the comparison with peers")]
-fn is_shadowed(answer: &Answer) -> bool {
-    matches!(answer.truth, Truth::Shadowed(_))
+/// The best Rust tracer: `obvhs`, f32, eight-wide compressed nodes, any hit.
+struct Obvhs {
+    bvh: obvhs::cwbvh::CwBvh,
+    triangles: Vec<RtTriangle>,
+    built: f64,
+}
+
+impl Obvhs {
+    fn new(scene: &Geometry) -> Self {
+        let corners = (0..scene.triangles.len() as u32).map(|id| scene.corners(id));
+        let triangles: Vec<Triangle> = corners
+            .map(|c| c.map(|p| p.as_vec3a()))
+            .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
+            .collect();
+        let mut built = Duration::ZERO;
+        let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::fast_build(), &mut built);
+        let order = bvh.primitive_indices.iter();
+        let triangles = order.map(|&k| RtTriangle::from(&triangles[k as usize])).collect();
+        Self { bvh, triangles, built: built.as_secs_f64() * 1e3 }
+    }
+
+    /// How many of the segments are blocked. Receivers are lifted by 1e-3 along their normals:
+    /// without that, f32 rays hit their own surface.
+    fn shadowed(&self, rays: &[(DVec3, DVec3)]) -> usize {
+        let blocked = |(from, to): &&(DVec3, DVec3)| {
+            let ray = Ray::new(from.as_vec3a(), (to - from).as_vec3a(), 0.0, 1.0);
+            !self.bvh.ray_traverse_miss(ray, |ray, k| self.triangles[k].intersect(ray))
+        };
+        rays.iter().filter(blocked).count()
+    }
+}
+
+/// Segments of lifted receivers.
+fn lifted(scene: &Geometry, receivers: &[Receiver], light: LightEnd) -> Vec<(DVec3, DVec3)> {
+    let lift = |r: &Receiver| {
+        let [a, b, c] = scene.corners(r.triangle);
+        let normal = (b - a).cross(c - a).normalize();
+        let side = (light.of(r.position) - r.position).dot(normal).signum();
+        let from = r.position + normal * side * 1e-3;
+        (from, light.of(from))
+    };
+    receivers.iter().map(lift).collect()
+}
+
+/// Writes a scene for `embree.py`: raw little-endian arrays.
+fn dump(folder: &Path, name: &str, scene: &Geometry, lights: &[(&str, Vec<(DVec3, DVec3)>)]) {
+    let write = |file: String, bytes: Vec<u8>| {
+        std::fs::write(folder.join(file), bytes).expect("the dump folder is writable");
+    };
+    let points = |points: &mut dyn Iterator<Item = DVec3>| -> Vec<u8> {
+        points.flat_map(|p| p.as_vec3().to_array()).flat_map(f32::to_le_bytes).collect()
+    };
+    write(format!("{name}.vertices"), points(&mut scene.positions.iter().copied()));
+    let indices = scene.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    write(format!("{name}.triangles"), indices);
+    for (light, rays) in lights {
+        let rays = points(&mut rays.iter().flat_map(|(from, to)| [*from, *to - *from]));
+        write(format!("{name}.{light}.rays"), rays);
+    }
 }

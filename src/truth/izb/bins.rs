@@ -68,20 +68,23 @@ impl Bins {
         self.cells.div_ceil(BLOCK)
     }
 
+    /// Puts the receivers into their order, all arrays in one pass.
     fn fill(&mut self, order: Vec<AtomicU32>, placed: &[Placed], members: Members) {
+        const RUN: usize = 1 << 16;
+        let n = order.len();
         self.index = order.into_iter().map(AtomicU32::into_inner).collect();
-        let take = |field: fn(&Placed) -> f32| {
-            let sorted = self.index.par_iter().with_min_len(1 << 16);
-            let mut values = Vec::with_capacity(self.index.len() + LANES);
-            sorted.map(|&k| field(&placed[k as usize])).collect_into_vec(&mut values);
-            values.resize(self.index.len() + LANES, 0.0);
-            values
-        };
-        (self.x, self.y, self.depth) = (take(|p| p.x), take(|p| p.y), take(|p| p.depth));
-        self.own = self.index.par_iter().map(|&k| placed[k as usize].own).collect();
-        if let Members::Some(members) = members {
-            self.index.par_iter_mut().for_each(|k| *k = members[*k as usize]);
-        }
+        (self.x, self.y) = (vec![0.0; n + LANES], vec![0.0; n + LANES]);
+        (self.depth, self.own) = (vec![0.0; n + LANES], vec![0; n + LANES]);
+        let places = self.x.par_chunks_mut(RUN).zip(self.y.par_chunks_mut(RUN));
+        let others = self.depth.par_chunks_mut(RUN).zip(self.own.par_chunks_mut(RUN));
+        let runs = self.index.par_chunks_mut(RUN).zip(places.zip(others));
+        runs.for_each(|(index, ((x, y), (depth, own)))| {
+            for (k, index) in index.iter_mut().enumerate() {
+                let at = placed[*index as usize];
+                (x[k], y[k], depth[k], own[k]) = (at.x, at.y, at.depth, at.own);
+                *index = members.index(*index as usize) as u32;
+            }
+        });
     }
 
     fn farthest_by_block(&self) -> Vec<f32> {

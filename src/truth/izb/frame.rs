@@ -93,7 +93,12 @@ impl Frame {
     /// Whether a receiver can be seen in this frame.
     #[inline(always)]
     pub(super) fn holds(&self, p_world: DVec3) -> bool {
-        let Vertex { v, q, .. } = self.vertex(p_world);
+        self.holds_vertex(&self.vertex(p_world))
+    }
+
+    #[inline(always)]
+    fn holds_vertex(&self, vertex: &Vertex) -> bool {
+        let Vertex { v, q, .. } = *vertex;
         let sideways = v.x.abs().max(v.y.abs());
         if self.is_point {
             v.z > 1e-12 && v.z < FARTHEST && sideways <= WIDEST * v.z
@@ -113,10 +118,10 @@ impl Frame {
             .into_par_iter()
             .with_min_len(1 << 16)
             .fold(nothing, |all, k| {
-                let p = receivers[members.index(k)].position;
+                let vertex = self.vertex(receivers[members.index(k)].position);
                 let [low, high] = all?;
-                let at = DVec3::from_array(self.place(p));
-                self.holds(p).then(|| [low.min(at), high.max(at)])
+                let at = DVec3::from_array(vertex.place());
+                self.holds_vertex(&vertex).then(|| [lesser(low, at), greater(high, at)])
             })
             .reduce(nothing, join)
     }
@@ -159,9 +164,7 @@ impl Frame {
     /// Grid position and depth of a world point in front of the light.
     #[inline(always)]
     pub(super) fn place(&self, p_world: DVec3) -> [f64; 3] {
-        let Vertex { v, q, .. } = self.vertex(p_world);
-        let inverse = 1.0 / v.z;
-        [v.x * inverse, v.y * inverse, q * inverse]
+        self.vertex(p_world).place()
     }
 
     /// Above this depth a candidate's order along the segment is not judged by depth: the error of
@@ -170,4 +173,25 @@ impl Frame {
     pub(super) fn order_limit(&self, receiver_depth: f32) -> f32 {
         if self.is_point { 64.0 * receiver_depth } else { f32::INFINITY }
     }
+}
+
+impl Vertex {
+    /// Grid position and depth.
+    #[inline(always)]
+    pub(super) fn place(&self) -> [f64; 3] {
+        let inverse = 1.0 / self.v.z;
+        [self.v.x * inverse, self.v.y * inverse, self.q * inverse]
+    }
+}
+
+/// The lesser coordinates, in one instruction each: `DVec3::min` also looks for NaN.
+#[inline(always)]
+fn lesser(a: DVec3, b: DVec3) -> DVec3 {
+    let pick = |a: f64, b: f64| if a < b { a } else { b };
+    DVec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z))
+}
+
+#[inline(always)]
+fn greater(a: DVec3, b: DVec3) -> DVec3 {
+    -lesser(-a, -b)
 }

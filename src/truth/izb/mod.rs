@@ -17,6 +17,7 @@
 
 mod bins;
 mod frame;
+mod lanes;
 mod setup;
 mod sweep;
 

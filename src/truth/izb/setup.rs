@@ -5,13 +5,11 @@ use rayon::prelude::*;
 
 use super::bins::{BLOCK, Bins};
 use super::frame::{Frame, Vertex};
+use super::lanes::{BATCH, Lanes};
 use crate::scene::Geometry;
 
 /// Half an ulp of 1 in f32.
 const U32: f64 = f32::EPSILON as f64 / 2.0;
-
-/// Triangles that are set up at once.
-pub(super) const BATCH: usize = 8;
 
 /// A triangle and the cells that it may shadow, both ends included.
 #[derive(Clone, Copy, Debug)]
@@ -47,9 +45,9 @@ impl Vertices {
     #[inline(always)]
     pub(super) fn item(&self, corners: [u32; 3], bins: &Bins) -> Option<Item> {
         let [a, b, c] = corners.map(|v| self.screen[v as usize]);
-        let low = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
-        let high = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
-        let nearest = a[2].max(b[2]).max(c[2]);
+        let low = [0, 1].map(|k| lesser(a[k], lesser(b[k], c[k])));
+        let high = [0, 1].map(|k| greater(a[k], greater(b[k], c[k])));
+        let nearest = greater(a[2], greater(b[2], c[2]));
         if (a[2] + b[2] + c[2]).is_nan() {
             let (low, high) = self.clipped(corners, bins.cells as f64)?;
             return shadowing(cells(low, high, bins.cells)?, f32::INFINITY, bins);
@@ -98,14 +96,13 @@ impl Vertices {
         (batch.ids[k], batch.items[k]) = (id, item);
         (batch.middle[0][k], batch.middle[1][k]) = (middle(item.columns), middle(item.rows));
         batch.reach[k] = f64::from(wide) / 2.0 + 1.0;
-        batch.far[k] = 0.0;
-        for (corner, v) in corners.iter().enumerate() {
-            let vertex = &self.exact[*v as usize];
+        let vertices = corners.map(|v| &self.exact[v as usize]);
+        batch.far[k] = vertices[0].far.max(vertices[1].far).max(vertices[2].far);
+        for (corner, vertex) in vertices.iter().enumerate() {
             for axis in 0..3 {
                 batch.corners[corner][axis][k] = vertex.v[axis];
             }
             batch.weights[corner][k] = vertex.q;
-            batch.far[k] = batch.far[k].max(vertex.far);
         }
         batch.len += 1;
     }
@@ -126,15 +123,20 @@ pub(super) struct Batch {
 
 /// Affine functions of the position relative to `origin`, in f32 and in units of their own error
 /// bound: below -1 the exact value is negative, above 1 it is positive, for every receiver of the
-/// item's cells.
+/// item's cells. All are 0 where the area is lost in the rounding of the vertices: then every
+/// receiver of the cells is a candidate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planes {
-    /// Middle of the cells; edges (`a dx + b dy + c`, positive inside); depth of the plane and the
-    /// factor of the receiver's depth to subtract; the error bound of the depth.
-    values: [[f32; BATCH]; PLANE_VALUES],
+    /// Middle of the cells.
+    origin: [[f32; BATCH]; 2],
+    /// `a dx + b dy + c`, positive inside.
+    edges: [[[f32; BATCH]; 3]; 3],
+    /// Depth of the plane, and the factor of the receiver's depth to subtract.
+    depth: [[f32; BATCH]; 3],
+    per_depth: [f32; BATCH],
+    /// The error bound of the depth.
+    depth_error: [f32; BATCH],
 }
-
-const PLANE_VALUES: usize = 2 + 9 + 3 + 1 + 1;
 
 /// One triangle of [`Planes`].
 #[derive(Clone, Copy, Debug)]
@@ -149,13 +151,12 @@ pub(super) struct Plane {
 impl Planes {
     #[inline(always)]
     pub(super) fn get(&self, k: usize) -> Plane {
-        let v = |i: usize| self.values[i][k];
         Plane {
-            origin: [v(0), v(1)],
-            edges: [[v(2), v(3), v(4)], [v(5), v(6), v(7)], [v(8), v(9), v(10)]],
-            depth: [v(11), v(12), v(13)],
-            per_depth: v(14),
-            depth_error: v(15),
+            origin: self.origin.map(|x| x[k]),
+            edges: self.edges.map(|edge| edge.map(|x| x[k])),
+            depth: self.depth.map(|x| x[k]),
+            per_depth: self.per_depth[k],
+            depth_error: self.depth_error[k],
         }
     }
 }
@@ -172,82 +173,103 @@ impl Batch {
         reach: [0.0; BATCH],
     };
 
-    /// The planes of all triangles: one loop without branches, so that it vectorises.
+    /// The planes of all triangles.
     #[inline(always)]
     pub(super) fn planes(&self, frame: &Frame) -> Planes {
-        let mut values = [[0.0_f32; BATCH]; PLANE_VALUES];
-        for k in 0..BATCH {
-            let corner = |c: usize| {
-                // Relative to the middle of the cells, so that small triangles keep their digits.
-                let [x, y, z] = [0, 1, 2].map(|axis| self.corners[c][axis][k]);
-                [x - self.middle[0][k] * z, y - self.middle[1][k] * z, z]
-            };
-            let v = [corner(0), corner(1), corner(2)];
-            let weights = [0, 1, 2].map(|c| self.weights[c][k]);
-            let plane = plane(v, weights, self.far[k], self.reach[k], frame);
-            values[0][k] = self.middle[0][k] as f32;
-            values[1][k] = self.middle[1][k] as f32;
-            for i in 0..14 {
-                values[2 + i][k] = plane[i];
-            }
+        let middle = self.middle.map(Lanes);
+        // Relative to the middle of the cells, so that small triangles keep their digits.
+        let v = self.corners.map(|corner| {
+            let [x, y, z] = corner.map(Lanes);
+            [x - middle[0] * z, y - middle[1] * z, z]
+        });
+        let e = [cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])];
+        let det = v[0][0] * e[0][0] + v[0][1] * e[0][1] + v[0][2] * e[0][2];
+        let bounds = Bounds::new(&v, Lanes(self.far), Lanes(self.reach), frame);
+        let decided = det.abs().exceeds(bounds.area * 4.0);
+        let [e0, e1, e2] = e.map(|e| bounds.edge(e, decided * det.signum()));
+        let inverse = (det + (Lanes::splat(1.0) - decided)).recip();
+        let q = self.weights.map(Lanes);
+        let weighted = |i: usize| (e[0][i] * q[0] + e[1][i] * q[1] + e[2][i] * q[2]) * inverse;
+        let depth = [weighted(0), weighted(1), weighted(2)];
+        let weight = q[0].abs().max(q[1].abs()).max(q[2].abs());
+        let error = bounds.depth(depth, weight, inverse.abs(), frame.depth_scale);
+        let unit = decided * (error + Lanes::splat(1e-300)).recip();
+        Planes {
+            origin: middle.map(Lanes::narrow),
+            edges: [e0, e1, e2],
+            depth: depth.map(|d| (d * unit).narrow()),
+            per_depth: unit.narrow(),
+            depth_error: (error * 1.001).narrow(),
         }
-        Planes { values }
     }
 }
 
-/// Edges, depth and error of one triangle, from [`Planes::values`] 2 on. Where the area is lost in
-/// the rounding of the vertices all is 0: every receiver of the cells is a candidate.
+/// What bounds the errors of planes.
+struct Bounds {
+    /// The receiver's f32 position, the subtraction of the origin and the f32 sums.
+    place: Lanes,
+    reach: Lanes,
+    /// An edge is off by the rounding of its vertices times their size.
+    rough: Lanes,
+    /// The error of the determinant.
+    area: Lanes,
+}
+
+impl Bounds {
+    #[inline(always)]
+    fn new(v: &[[Lanes; 3]; 3], far: Lanes, reach: Lanes, frame: &Frame) -> Self {
+        let largest = |axis: usize| v[0][axis].abs().max(v[1][axis].abs()).max(v[2][axis].abs());
+        let height = largest(2);
+        let size = largest(0).max(largest(1)).max(height);
+        let vertex_error = far * frame.rounding + Lanes::splat(frame.shift_rounding);
+        let rough = vertex_error * size * (reach + Lanes::splat(1.0)) * 4.0;
+        let cells = Lanes::splat(1.5 * frame.cells as f64);
+        Self { place: (cells + reach * 8.0) * U32, reach, rough, area: rough * height * 4.0 }
+    }
+
+    /// An edge in units of its error, times `side`.
+    #[inline(always)]
+    fn edge(&self, e: [Lanes; 3], side: Lanes) -> [[f32; BATCH]; 3] {
+        let slope = e[0].abs() + e[1].abs();
+        let error = slope * self.place + e[2].abs() * (4.0 * U32) + self.rough;
+        let unit = side * (error + Lanes::splat(1e-300)).recip();
+        e.map(|e| (e * unit).narrow())
+    }
+
+    /// The error of the depth of a plane.
+    #[inline(always)]
+    fn depth(&self, depth: [Lanes; 3], weight: Lanes, inverse: Lanes, scale: f64) -> Lanes {
+        let slope = depth[0].abs() + depth[1].abs();
+        let size = depth[2].abs();
+        slope * self.place
+            + (size + Lanes::splat(scale)) * (8.0 * U32)
+            + weight * self.rough * inverse * 4.0
+            + self.area * inverse * (size + slope * self.reach)
+    }
+}
+
+/// The lesser of two numbers, in one instruction: `f32::min` also looks for NaN.
 #[inline(always)]
-fn plane(v: [[f64; 3]; 3], q: [f64; 3], far: f64, reach: f64, frame: &Frame) -> [f32; 14] {
-    let e = [cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])];
-    let det = v[0][0] * e[0][0] + v[0][1] * e[0][1] + v[0][2] * e[0][2];
-    let largest = |axis: usize| v[0][axis].abs().max(v[1][axis].abs()).max(v[2][axis].abs());
-    let size = largest(0).max(largest(1)).max(largest(2));
-    // The receiver's f32 position, the subtraction of the origin and the f32 sums.
-    let place = U32 * (1.5 * frame.cells as f64 + 8.0 * reach);
-    // An edge is off by the rounding of its vertices times their size.
-    let vertex_error = frame.rounding * far + frame.shift_rounding;
-    let rough = 4.0 * vertex_error * size * (1.0 + reach);
-    let area_error = 4.0 * rough * largest(2);
-    let decided = if det.abs() > 4.0 * area_error { 1.0 } else { 0.0 };
-    let side = if det < 0.0 { -decided } else { decided };
-    let mut out = [0.0; 14];
-    for (k, e) in e.iter().enumerate() {
-        let error = (e[0].abs() + e[1].abs()) * place + 4.0 * U32 * e[2].abs() + rough;
-        let unit = side / (error + 1e-300);
-        (out[3 * k], out[3 * k + 1]) = ((e[0] * unit) as f32, (e[1] * unit) as f32);
-        out[3 * k + 2] = (e[2] * unit) as f32;
-    }
-    let inverse = 1.0 / (det + (1.0 - decided));
-    let depth = [0, 1, 2].map(|i| (e[0][i] * q[0] + e[1][i] * q[1] + e[2][i] * q[2]) * inverse);
-    let weight = q[0].abs().max(q[1].abs()).max(q[2].abs());
-    let slope = depth[0].abs() + depth[1].abs();
-    let error = slope * place
-        + 8.0 * U32 * (depth[2].abs() + frame.depth_scale)
-        + 4.0 * weight * rough * inverse.abs()
-        + area_error * inverse.abs() * (depth[2].abs() + slope * reach);
-    let unit = decided / (error + 1e-300);
-    for i in 0..3 {
-        out[9 + i] = (depth[i] * unit) as f32;
-    }
-    out[12] = unit as f32;
-    out[13] = (error * 1.001) as f32;
-    out
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 #[inline(always)]
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Grid position and depth, NaN within a thousandth of the plane of the light or behind it.
+/// Grid position and depth; NaN behind the light, or nearly beside it.
 #[inline(always)]
 fn on_screen(vertex: &Vertex) -> [f32; 3] {
-    let Vertex { v, q, .. } = *vertex;
-    let inverse = 1.0 / v.z;
-    let at = [v.x * inverse, v.y * inverse, q * inverse];
-    let far = at[0].abs().max(at[1].abs()) < 1e6;
-    if v.z > 0.0 && far { [at[0] as f32, at[1] as f32, at[2] as f32] } else { [f32::NAN; 3] }
+    let at = vertex.place();
+    let near_axis = at[0].abs() < 1e6 && at[1].abs() < 1e6;
+    if vertex.v.z > 0.0 && near_axis { at.map(|x| x as f32) } else { [f32::NAN; 3] }
 }
 
 /// Whether the box of a triangle reaches to the light: then every segment may end on it.
@@ -294,7 +316,7 @@ fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Optio
     for row in block(rows[0])..=block(rows[1]) {
         let base = row * bins.blocks();
         let run = &bins.farthest[base + block(columns[0])..=base + block(columns[1])];
-        farthest = run.iter().fold(farthest, |m, &x| m.min(x));
+        farthest = run.iter().fold(farthest, |m, &x| lesser(m, x));
     }
     let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
     let shadows = farthest < f32::INFINITY && nearest + margin >= farthest;

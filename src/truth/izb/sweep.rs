@@ -6,7 +6,8 @@ use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, LANES};
 use super::frame::Frame;
-use super::setup::{BATCH, Batch, Item, Plane, Vertices};
+use super::lanes::BATCH;
+use super::setup::{Batch, Item, Plane, Vertices};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
 
@@ -124,6 +125,9 @@ impl Chunk<'_> {
                 let lanes = (run.end - at).min(LANES);
                 let tests = Tests::new(plane, bins, at);
                 let mut candidates = tests.candidates() & (u32::MAX >> (32 - lanes));
+                if candidates != 0 {
+                    candidates &= others(&bins.own[at..at + LANES], id);
+                }
                 while candidates != 0 {
                     let lane = candidates.trailing_zeros() as usize;
                     candidates &= candidates - 1;
@@ -139,9 +143,6 @@ impl Chunk<'_> {
     #[inline(never)]
     fn candidate(&mut self, id: u32, error: f32, (inside, nearer): (f32, f32), place: usize) {
         let Shared { bins, known, frame, .. } = self.shared;
-        if bins.own[place] == id {
-            return;
-        }
         if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
@@ -247,4 +248,15 @@ impl Tests {
         }
         bits
     }
+}
+
+/// One bit for each receiver that does not lie on triangle `id`.
+#[inline(always)]
+fn others(own: &[u32], id: u32) -> u32 {
+    let own: [u32; LANES] = std::array::from_fn(|k| own[k]);
+    let mut bits = 0;
+    for (k, own) in own.iter().enumerate() {
+        bits |= u32::from(*own != id) << k;
+    }
+    bits
 }
