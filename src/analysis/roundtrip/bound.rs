@@ -34,6 +34,8 @@ struct Layout {
     masked: i32,
     /// Weight of the last channel.
     last_weight: f64,
+    /// Most that the last channel loses by saturating at 1.
+    last_excess: f64,
     /// Weight of the first channel.
     first_weight: f64,
     /// Bound of the f32 rounding in pack and unpack.
@@ -52,26 +54,62 @@ pub fn bound(packing: Packing, store: ByteStore, arithmetic: Arithmetic) -> Opti
         return Some(integer_digits(bits, real));
     }
     let layout = layout(packing)?;
-    let steps: Vec<f64> = (0..layout.masked)
-        .map(|i| layout.first_weight / power(layout.base, i) * grid_error(&layout, store))
-        .collect();
-    let last = layout.last_weight * loose_error(store);
-    let rounding = if real { exp2(-48) } else { layout.rounding };
-    let value = steps.iter().sum::<f64>() + last + rounding;
+    let terms = layout.terms(store, real, 0..=layout.base as u32 - 1);
     let because = format!(
-        "stored digits {:.3e}, last channel {last:.3e}, arithmetic {rounding:.3e}",
-        steps.iter().sum::<f64>()
+        "stored digits {:.3e}, last channel {:.3e}, arithmetic {:.3e}",
+        terms.digits, terms.last, terms.rounding
     );
-    Some(Bound { value, because })
+    Some(Bound { value: terms.digits + terms.last + terms.rounding, because })
+}
+
+/// The bound over the depths from `from` to `to` alone: the leading digit is one of a few.
+#[must_use]
+pub fn bound_at(
+    packing: Packing,
+    store: ByteStore,
+    arithmetic: Arithmetic,
+    from: f64,
+    to: f64,
+) -> Option<f64> {
+    let Some(layout) = layout(packing).filter(|_| arithmetic != Arithmetic::Fp16) else {
+        return bound(packing, store, arithmetic).map(|b| b.value);
+    };
+    // f32 may put a depth next to a digit's edge on either side of it.
+    let digit = |z: f64| (z * layout.base).floor().clamp(0.0, layout.base - 1.0) as u32;
+    let leading = digit(from - 1e-6)..=digit(to + 1e-6);
+    let terms = layout.terms(store, arithmetic == Arithmetic::Real, leading);
+    Some(terms.digits + terms.last + terms.rounding)
+}
+
+/// The parts of a bound.
+struct Terms {
+    digits: f64,
+    last: f64,
+    rounding: f64,
+}
+
+impl Layout {
+    fn terms(&self, store: ByteStore, real: bool, leading: std::ops::RangeInclusive<u32>) -> Terms {
+        let all = 0..=self.base as u32 - 1;
+        let channel = |i: i32| {
+            let digits = if i == 0 { leading.clone() } else { all.clone() };
+            self.first_weight / power(self.base, i) * grid_error(self, store, digits)
+        };
+        Terms {
+            digits: (0..self.masked).map(channel).sum(),
+            last: self.last_weight * loose_error(store).max(self.last_excess),
+            rounding: if real { exp2(-48) } else { self.rounding },
+        }
+    }
 }
 
 fn power(base: f64, n: i32) -> f64 {
     (0..n).fold(1.0, |product, _| product * base)
 }
 
-/// Greatest error, over the 256 digits, of storing k·step and reading k'/255. Where f32 may fall
+/// Greatest error, over these digits, of storing k·step and reading k'/255. Where f32 may fall
 /// short of a byte's exact value a truncating store loses the whole byte.
-fn grid_error(layout: &Layout, store: ByteStore) -> f64 {
+fn grid_error(layout: &Layout, store: ByteStore, digits: std::ops::RangeInclusive<u32>) -> f64 {
     let exact_bytes = layout.step * 255.0 == 1.0;
     if exact_bytes && store == ByteStore::Truncate {
         return 1.0 / 255.0;
@@ -85,7 +123,7 @@ fn grid_error(layout: &Layout, store: ByteStore) -> f64 {
         let distance = |byte: f64| (byte / 255.0 - value).abs();
         store.roundings().iter().map(|r| distance(stored(r))).fold(0.0, f64::max)
     };
-    (0..layout.base as u32).map(error).fold(0.0, f64::max)
+    digits.map(error).fold(0.0, f64::max)
 }
 
 /// Greatest error of storing any value of [0, 1].
@@ -128,6 +166,7 @@ fn layout(packing: Packing) -> Option<Layout> {
         masked,
         first_weight: 1.0,
         last_weight: 1.0 / power(base, masked),
+        last_excess: 0.0,
         rounding,
     };
     let stretched = |channels: i32| Layout {
@@ -146,7 +185,12 @@ fn layout(packing: Packing) -> Option<Layout> {
         | Packing::Godot3
         | Packing::Mapbox255 => family(255.0, 1.0 / 255.0, 3, dot + 3.0 * exp2(-24)),
         Packing::UnityRg | Packing::ThreeHalf => family(255.0, 1.0 / 255.0, 1, dot + exp2(-24)),
-        Packing::ThreeR86 => Layout { last_weight: 255.0 / 256.0 / exp2(24), ..stretched(4) },
+        Packing::ThreeR86 => Layout {
+            // The last remainder is stretched too, to 256/255 at most, and clamped to 1.
+            last_weight: 255.0 / 256.0 / exp2(24),
+            last_excess: 1.0 / 255.0,
+            ..stretched(4)
+        },
         Packing::ThreeRgba => stretched(4),
         Packing::ThreeRgb => stretched(3),
         Packing::ThreeRg => stretched(2),

@@ -15,10 +15,14 @@ mod breakpoints;
 mod brute;
 mod certificate;
 mod combination;
+pub mod curve;
+pub mod filter;
+pub mod moments;
 mod prune;
 mod sample;
 pub mod survey;
 pub mod tally;
+pub mod world;
 
 pub use certificate::{Certificate, Order, Peak, Promise, RangeError, Special, Subject, certify};
 pub use combination::{Conditions, Effort};

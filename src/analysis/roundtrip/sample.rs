@@ -8,15 +8,15 @@ use crate::depth::arith::Raw;
 use crate::simd::Level;
 use rayon::prelude::*;
 
-/// Runs of consecutive floats, evenly placed in each segment.
-const STRATA: u32 = 64;
+/// Runs of consecutive floats, one in each stratum of a segment.
+const STRATA: u32 = 512;
 /// Floats in a run: neighbours are needed to see the order.
-const RUN: u32 = 64;
+const RUN: u32 = 16;
 /// Floats on each side of a code boundary.
 const AROUND: u32 = 16;
 /// Finer boundaries (multiples of 1/65025, 2⁻¹⁶, 2⁻²⁴, 255⁻³ and halves between), spread by a
 /// multiplicative sequence.
-const FINE: u64 = 2048;
+const FINE: u64 = 512;
 
 /// Depths at which a code of some packing changes, or nearly.
 #[must_use]
@@ -41,7 +41,10 @@ fn strata(segment: Segment) -> Vec<(u32, u32)> {
     if length < STRATA * RUN {
         return vec![(segment.start, segment.end)];
     }
-    let at = |i: u32| segment.start + (u64::from(length) * u64::from(i) / u64::from(STRATA)) as u32;
+    // Anywhere in its stratum, by the golden ratio: even spacing would beat with the codes.
+    let place = |i: u32| f64::from(i.wrapping_mul(0x9e37_79b9)) / 4_294_967_296.0;
+    let stratum = f64::from(length - RUN) / f64::from(STRATA);
+    let at = |i: u32| segment.start + ((f64::from(i) + place(i)) * stratum) as u32;
     (0..STRATA).map(|i| (at(i), at(i) + RUN - 1)).collect()
 }
 
@@ -101,7 +104,7 @@ fn beside<F: Raw>(a: Tally<F>, b: Tally<F>) -> Tally<F> {
 /// Depths at which promises are checked one by one: a few of every stratum, every boundary and its
 /// neighbours.
 pub(super) fn sampled_depths() -> Vec<f32> {
-    let strata = segments().into_iter().flat_map(strata).map(|(start, _)| start);
+    let strata = segments().into_iter().flat_map(strata).map(|(start, _)| start).step_by(16);
     let edges = boundaries().into_iter().map(f32::to_bits);
     let around = edges.flat_map(|bits| [bits.saturating_sub(1), bits, (bits + 1).min(ONE)]);
     let mut depths: Vec<u32> = strata.chain(around).collect();

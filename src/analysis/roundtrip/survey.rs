@@ -57,9 +57,24 @@ pub fn segments() -> Vec<Segment> {
 /// With another method.
 #[must_use]
 pub fn survey<F: Raw>(trip: &dyn RoundTrip<F>, level: Level, method: Method) -> Vec<Tally<F>> {
+    answered_by(|start, end| tally(trip, level, method, start, end))
+}
+
+/// The tally of the floats from bit pattern `start` to `end`, which lie in one binade, by one method.
+///
+/// # Panics
+/// With another method than `Brute` or `Pruned`.
+#[must_use]
+pub fn tally<F: Raw>(
+    trip: &dyn RoundTrip<F>,
+    level: Level,
+    method: Method,
+    start: u32,
+    end: u32,
+) -> Tally<F> {
     match method {
-        Method::Brute => answered_by(|start, end| brute::tally(trip, level, start, end)),
-        Method::Pruned => answered_by(|start, end| prune::tally(trip, level, start, end)),
+        Method::Brute => brute::tally(trip, level, start, end),
+        Method::Pruned => prune::tally(trip, level, start, end),
         other => panic!("{other} does not go by enclosures"),
     }
 }
@@ -70,11 +85,11 @@ pub fn survey_format<F: Raw>(trip: FormatTrip) -> Vec<Tally<F>> {
     answered_by(|start, end| breakpoints::tally(trip, start, end))
 }
 
-fn answered_by<F: Raw>(tally: impl Fn(u32, u32) -> Tally<F> + Sync) -> Vec<Tally<F>> {
+fn answered_by<F: Raw>(answer: impl Fn(u32, u32) -> Tally<F> + Sync) -> Vec<Tally<F>> {
     let segments = segments();
     let pieces: Vec<_> = segments.iter().enumerate().flat_map(pieces).collect();
     let tallies: Vec<(usize, Tally<F>)> =
-        pieces.into_par_iter().map(|(segment, start, end)| (segment, tally(start, end))).collect();
+        pieces.into_par_iter().map(|(segment, start, end)| (segment, answer(start, end))).collect();
     let mut joined: Vec<Tally<F>> = Vec::with_capacity(segments.len());
     for (segment, tally) in tallies {
         match joined.get_mut(segment) {

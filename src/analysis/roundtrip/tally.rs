@@ -77,8 +77,8 @@ impl<F: Raw> Tally<F> {
             start,
             count: u64::from(end - start) + 1,
             evaluated: 2,
-            above: positive(above, start),
-            below: positive(below, end),
+            above: positive(above, start, start),
+            below: positive(below, end, start),
             sum: n * c - u * s1,
             squares: n * c * c - 2.0 * c * u * s1 + u * u * s2,
             inversions: 0,
@@ -132,8 +132,14 @@ impl<F: Raw> Tally<F> {
     }
 }
 
-fn positive<F: Raw>(error: F, at: u32) -> Extreme<F> {
-    Extreme { error: F::from_key(error.key().max(F::Key::default())), at }
+/// An error that is none has no place of its own: it is said to be at the start of the run.
+fn positive<F: Raw>(error: F, at: u32, start: u32) -> Extreme<F> {
+    let none = F::Key::default();
+    if error.key() > none {
+        Extreme { error, at }
+    } else {
+        Extreme { error: F::from_key(none), at: start }
+    }
 }
 
 /// Distance between neighbouring floats at a bit pattern.

@@ -51,6 +51,12 @@ pub trait Number:
     /// Nearest integer, ties to even (`round` of GLSL ES 3, WGSL and HLSL).
     #[must_use]
     fn nearest(self) -> Self;
+    /// nearest(self·scale). For real values the product is not rounded first.
+    #[inline(always)]
+    #[must_use]
+    fn nearest_product(self, scale: Self) -> Self {
+        (self * scale).nearest()
+    }
     /// x − floor(x), kept below one as measured: min(x − floor(x), 1 − 2⁻²⁴) in f32. NaN gives the
     /// largest value below one, as `min` does.
     #[must_use]

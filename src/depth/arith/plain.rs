@@ -3,7 +3,7 @@
 use super::{Number, Raw, Shader};
 
 macro_rules! plain {
-    ($F:ty, $Key:ty, $below_one:expr) => {
+    ($F:ty, $Key:ty, $below_one:expr, $($exact:item)*) => {
         impl Number for $F {
             #[inline(always)]
             fn ratio(n: f64, d: f64) -> Self {
@@ -17,6 +17,7 @@ macro_rules! plain {
             fn nearest(self) -> Self {
                 self.round_ties_even()
             }
+            $($exact)*
             #[inline(always)]
             fn fract(self) -> Self {
                 let x = self - <$F>::floor(self);
@@ -83,8 +84,22 @@ macro_rules! plain {
     };
 }
 
-plain!(f32, i32, 1.0 - f32::EPSILON / 2.0);
-plain!(f64, i64, 1.0 - f64::EPSILON / 2.0);
+plain!(f32, i32, 1.0 - f32::EPSILON / 2.0,);
+plain! {
+    f64, i64, 1.0 - f64::EPSILON / 2.0,
+    /// A f32 times 2³² − 1 needs 56 bits. What the product loses is exact by `fma`, and decides
+    /// where the rounded product is halfway between two integers.
+    #[inline(always)]
+    fn nearest_product(self, scale: Self) -> Self {
+        let product = self * scale;
+        let lost = self.mul_add(scale, -product);
+        let nearest = product.round_ties_even();
+        let half = product - nearest;
+        let up = if half == 0.5 && lost > 0.0 { 1.0 } else { 0.0 };
+        let down = if half == -0.5 && lost < 0.0 { 1.0 } else { 0.0 };
+        nearest + up - down
+    }
+}
 
 /// `x` within [0, top]; NaN gives 0. Written with comparisons so that it vectorises.
 #[inline(always)]
