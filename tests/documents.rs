@@ -4,7 +4,7 @@
 mod schema;
 
 use gnomon::analysis::documents::findings::{CLAIMS, by_name, evaluate};
-use gnomon::analysis::documents::{self, Options};
+use gnomon::analysis::documents::{self, Options, Which};
 use gnomon::analysis::measure::measure;
 use gnomon::analysis::observe::Standing;
 use gnomon::report::{Profile, Verdict};
@@ -17,7 +17,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 fn options() -> Options {
-    Options { profile: Profile::Quick, seed: 1, case: None, device: None }
+    Options { profile: Profile::Quick, seed: 1, which: Which::All, device: None }
 }
 
 /// The quick results, measured once for all tests of this file.
@@ -93,7 +93,7 @@ fn findings_hold_and_turn_over() {
 
 #[test]
 fn a_finding_without_its_numbers_is_undecided() {
-    let one = Options { case: Some("upc".to_string()), ..options() };
+    let one = Options { which: Which::Named("upc".to_string()), ..options() };
     let report = documents::report(&one, || ()).expect("one case");
     let findings = evaluate(&by_name(&report.results));
     let of = |id: &str| findings.iter().find(|f| f.id == id).expect("a finding").verdict;

@@ -25,10 +25,21 @@ pub struct Options {
     pub profile: Profile,
     /// Seed, carried into the report (nothing here is random).
     pub seed: u64,
-    /// Only this case; all if `None`.
-    pub case: Option<String>,
+    /// What to measure.
+    pub which: Which,
     /// Another device than the cases' own.
     pub device: Option<DeviceProfile>,
+}
+
+/// The cases of a run.
+#[derive(Clone, Debug)]
+pub enum Which {
+    /// Every named case.
+    All,
+    /// One named case.
+    Named(String),
+    /// A user's own.
+    Own(Box<Case>),
 }
 
 impl Options {
@@ -46,9 +57,10 @@ impl Options {
     /// # Errors
     /// [`crate::Error::BadInput`] for an unknown case.
     pub fn cases(&self) -> crate::Result<Vec<Case>> {
-        let mut list = match &self.case {
-            Some(name) => vec![cases::named(name)?],
-            None => cases::all(),
+        let mut list = match &self.which {
+            Which::All => cases::all(),
+            Which::Named(name) => vec![cases::named(name)?],
+            Which::Own(case) => vec![Case::clone(case)],
         };
         if let Some(device) = self.device {
             list.iter_mut().for_each(|case| case.device = device);
