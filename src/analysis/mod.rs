@@ -7,4 +7,5 @@ pub mod interior;
 pub mod ladder;
 pub mod measure;
 pub mod observe;
+pub mod sweep;
 pub mod walk;

@@ -98,7 +98,8 @@ pub struct Observer<'a> {
     pub tracer: Tracer,
     /// The map's clip matrix in f64.
     pub clip_from_world: DMat4,
-    world_from_clip: DMat4,
+    /// Its inverse.
+    pub world_from_clip: DMat4,
     adjacency: Adjacency,
     /// Window-space corners of every triangle in map texels (`None` behind the eye).
     projected: Vec<Option<[DVec2; 3]>>,
@@ -177,6 +178,14 @@ impl<'a> Observer<'a> {
     /// Judges one pixel; `None` where it is background.
     #[must_use]
     pub fn observe_pixel(&self, x: u32, y: u32) -> Option<Observation> {
+        let (receiver, coord) = self.receiver(x, y)?;
+        Some(self.observe([x, y], receiver, coord))
+    }
+
+    /// The receiver under a pixel centre and the map coordinates that the subject computes there;
+    /// `None` where it is background.
+    #[must_use]
+    pub fn receiver(&self, x: u32, y: u32) -> Option<(Receiver, [f32; 3])> {
         let triangle = self.subject.canvas.triangle[(y * self.subject.canvas.size[0] + x) as usize];
         if triangle == NO_TRIANGLE {
             return None;
@@ -184,16 +193,23 @@ impl<'a> Observer<'a> {
         let weights = self.subject.barycentrics(triangle, x, y);
         let [a, b, c] = self.geometry.corners(triangle);
         let position = a * weights.x + b * weights.y + c * weights.z;
-        let coord = self.subject.coordinate(triangle, x, y);
-        Some(self.observe([x, y], Receiver { position, triangle }, coord))
+        Some((Receiver { position, triangle }, self.subject.coordinate(triangle, x, y)))
+    }
+
+    /// Exact window coordinates of a receiver, its truth, and whether it counts.
+    #[must_use]
+    pub fn witness(&self, receiver: &Receiver) -> (Option<DVec3>, Answer, Standing) {
+        let window = self.case().light.window_from_world(&self.clip_from_world, receiver.position);
+        let answer = self.tracer.truth(receiver, self.light_end(receiver.position));
+        let standing = self.standing(receiver, window, &answer);
+        (window, answer, standing)
     }
 
     /// Judges a receiver whose subject coordinates are given.
     #[must_use]
     pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {
         let case = self.case();
-        let window = case.light.window_from_world(&self.clip_from_world, receiver.position);
-        let answer = self.tracer.truth(&receiver, self.light_end(receiver.position));
+        let (window, answer, standing) = self.witness(&receiver);
         let taps = self.taps(&case.lookup, coord);
         let lit_taps = shadow::visibility(&case.lookup, coord, &taps, case.bias);
         let rule = case.lookup.compare;
@@ -205,7 +221,7 @@ impl<'a> Observer<'a> {
             object: self.geometry.object[receiver.triangle as usize],
             coord,
             exact,
-            standing: self.standing(&receiver, window, &answer),
+            standing,
             answer,
             breakpoints: taps.depths().iter().map(breakpoint).collect(),
             lit_share: lit_share(&taps, lit_taps, |d| rule.is_lit(coord[2], d, case.bias)),
@@ -272,7 +288,7 @@ impl<'a> Observer<'a> {
         let z = o.exact.z;
         let exact_lit =
             |stored: f64| stored == f64::INFINITY || rule.is_lit_exact(z, stored, f64::from(bias));
-        let bias_depth = self.occluder_depth(o);
+        let bias_depth = self.occluder_depth(&o.receiver, &o.answer);
         let centre_depth = self.centre_depth(o.exact);
         let [u, v, z32] = o.coord;
         let drawn_texel = self.unquantized.nearest(device, case.lookup.wrap, u, v) as usize;
@@ -293,19 +309,20 @@ impl<'a> Observer<'a> {
     }
 
     /// Window depth of the first drawn occluder on the receiver's own ray; +∞ if there is none.
-    fn occluder_depth(&self, o: &Observation) -> f64 {
-        let end = self.light_end(o.receiver.position);
-        let point = match (self.drawn_faces, &o.answer.truth) {
+    #[must_use]
+    pub fn occluder_depth(&self, receiver: &Receiver, answer: &Answer) -> f64 {
+        let end = self.light_end(receiver.position);
+        let point = match (self.drawn_faces, &answer.truth) {
             (Faces::Both, Truth::Shadowed(occlusion)) => {
-                let ray = end - o.receiver.position;
-                o.receiver.position + ray * (occlusion.first_gap / crate::view::length(ray))
+                let ray = end - receiver.position;
+                receiver.position + ray * (occlusion.first_gap / crate::view::length(ray))
             }
             (Faces::Both, _) => return f64::INFINITY,
             (faces, _) => {
-                let own = Some(o.receiver.triangle);
-                match self.tracer.first_hit(end, o.receiver.position, faces, own) {
+                let own = Some(receiver.triangle);
+                match self.tracer.first_hit(end, receiver.position, faces, own) {
                     FirstHit::Hit { t, t_error, .. } if t + t_error < 1.0 => {
-                        end + (o.receiver.position - end) * t
+                        end + (receiver.position - end) * t
                     }
                     _ => return f64::INFINITY,
                 }
@@ -353,17 +370,31 @@ impl<'a> Observer<'a> {
     /// Whose surface a texel holds, as seen by a receiver.
     fn stored_caster(&self, o: &Observation, texel: u32) -> StoredCaster {
         let caster = self.subject.map_raster.triangle[texel as usize];
+        self.caster_of(o.receiver.triangle, &o.answer.truth, caster, texel, self.case().map.size)
+    }
+
+    /// Whose surface the triangle `caster` is to a receiver on triangle `own`, stored in `texel` of a
+    /// map of `size`² texels.
+    #[must_use]
+    pub fn caster_of(
+        &self,
+        own: u32,
+        truth: &Truth,
+        caster: u32,
+        texel: u32,
+        size: u32,
+    ) -> StoredCaster {
         if caster == NO_TRIANGLE {
             return StoredCaster::Cleared;
         }
-        let size = self.case().map.size;
+        let scale = f64::from(size) / f64::from(self.case().map.size);
         let centre = DVec2::new(f64::from(texel % size) + 0.5, f64::from(texel / size) + 0.5);
-        let project = |t: u32| self.projected[t as usize];
-        if self.adjacency.is_own(o.receiver.triangle, caster, centre, project) {
+        let project = |t: u32| self.projected[t as usize].map(|p| p.map(|corner| corner * scale));
+        if self.adjacency.is_own(own, caster, centre, project) {
             return StoredCaster::Own;
         }
         let object = |t: u32| self.geometry.object[t as usize];
-        match &o.answer.truth {
+        match truth {
             Truth::Shadowed(occlusion)
                 if [occlusion.first, occlusion.occluder].contains(&caster)
                     || [occlusion.first, occlusion.occluder]
