@@ -36,6 +36,8 @@ pub struct Fragments {
     setups: Vec<(Setup, bool)>,
     /// Slot of each texel, or `u32::MAX`.
     slots: Vec<u32>,
+    /// Texel of each slot.
+    texels: Vec<u32>,
     /// Where the fragments of each slot begin.
     starts: Vec<u32>,
     triangles: Vec<u32>,
@@ -52,13 +54,14 @@ impl Fragments {
         wanted: impl Iterator<Item = u32>,
     ) -> Self {
         let mut slots = vec![u32::MAX; size as usize * size as usize];
-        let mut count = 0;
+        let mut texels = Vec::new();
         for texel in wanted {
             if slots[texel as usize] == u32::MAX {
-                slots[texel as usize] = count;
-                count += 1;
+                slots[texel as usize] = texels.len() as u32;
+                texels.push(texel);
             }
         }
+        let count = texels.len();
         let setup = |t: &[u32; 3]| Setup::new(device, [size; 2], t.map(|v| clip[v as usize]));
         let setups: Vec<_> = triangles.iter().map(setup).map(|s| (s, s.is_front())).collect();
         let mut pairs: Vec<(u32, u32)> = Vec::new();
@@ -70,19 +73,36 @@ impl Fragments {
             });
         }
         pairs.sort_by_key(|&(slot, _)| slot);
-        let mut starts = vec![0u32; count as usize + 1];
+        let mut starts = vec![0u32; count + 1];
         pairs.iter().for_each(|&(slot, _)| starts[slot as usize + 1] += 1);
-        for i in 0..count as usize {
+        for i in 0..count {
             starts[i + 1] += starts[i];
         }
         let triangles = pairs.into_iter().map(|(_, id)| id).collect();
-        Self { device: *device, size, setups, slots, starts, triangles }
+        Self { device: *device, size, setups, slots, texels, starts, triangles }
     }
 
     /// Polygon offset of every triangle in a depth buffer of `format`.
     #[must_use]
     pub fn offsets(&self, format: DepthFormat, offset: PolygonOffset) -> Vec<f32> {
         self.setups.iter().map(|(setup, _)| setup.offset(&self.device, format, offset)).collect()
+    }
+
+    /// The place of a texel in [`Self::over_texels`].
+    ///
+    /// # Panics
+    /// Where the texel was not wanted.
+    #[must_use]
+    pub fn slot(&self, texel: u32) -> usize {
+        let slot = self.slots[texel as usize];
+        assert!(slot != u32::MAX, "texel {texel} was not collected");
+        slot as usize
+    }
+
+    /// Something of every wanted texel, by slot.
+    #[must_use]
+    pub fn over_texels<T>(&self, of: impl Fn(u32) -> T) -> Vec<T> {
+        self.texels.iter().map(|&texel| of(texel)).collect()
     }
 
     /// The nearest surface over a texel and the second nearest, as a depth test LESS into a buffer
@@ -93,9 +113,8 @@ impl Fragments {
     /// Where the texel was not wanted.
     #[must_use]
     pub fn layers(&self, texel: u32, pass: &Resolve<'_>) -> [Option<Layer>; 2] {
-        let slot = self.slots[texel as usize];
-        assert!(slot != u32::MAX, "texel {texel} was not collected");
-        let range = self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
+        let slot = self.slot(texel);
+        let range = self.starts[slot] as usize..self.starts[slot + 1] as usize;
         let key_of = depth_key(&self.device, pass.depth_buffer);
         let clear = key_of(1.0);
         let mut found: [Option<(u32, Layer)>; 2] = [None; 2];

@@ -16,7 +16,8 @@ pub fn visibility(spec: &LookupSpec, coord: [f32; 3], taps: &Taps, bias: f32) ->
 }
 
 /// Whether 0 ≤ u, v ≤ 1.
-pub(super) fn in_square(coord: [f32; 3]) -> bool {
+#[must_use]
+pub fn in_square(coord: [f32; 3]) -> bool {
     (0.0..=1.0).contains(&coord[0]) && (0.0..=1.0).contains(&coord[1])
 }
 

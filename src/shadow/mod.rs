@@ -11,7 +11,7 @@ use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
 pub use filter::{Taps, Texels, fixed_coordinates, mixed_depth, read};
 pub use footprint::{Footprint, Mix, Tap};
-pub use lookup::{breakpoint, breakpoint_where, visibility};
+pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 
 /// Stored texels, row by row from the bottom.
 #[derive(Clone, Debug, PartialEq)]
