@@ -1,1 +1,110 @@
-fn main() {}
+//! How much acne and peter-panning do the documents' systems have, and why?
+
+use clap::{Args, Parser, Subcommand};
+use gnomon::analysis::documents::{self, Options};
+use gnomon::analysis::explain::explain;
+use gnomon::analysis::observe::Observer;
+use gnomon::device::DeviceProfile;
+use gnomon::harness::{self, Common, Progress};
+use gnomon::{Error, Result};
+use std::process::ExitCode;
+
+/// Measures the shadow-map systems of five WebGL documents against a ray-traced truth and writes a
+/// report: how much acne and peter-panning each has, and why.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    after_help = "Examples:
+  gnomon-report                                  all cases, report in reports/documents/
+  gnomon-report --quick --out /tmp/quick         every 4th pixel
+  gnomon-report --case upc --json -              one case, numbers on stdout
+  gnomon-report --device ideal                   the same systems on correctly rounded hardware
+  gnomon-report explain --case upc --pixel 200,150
+Exit codes: 0 done, 2 bad input, 4 cannot write, 130 interrupted."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    which: Which,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
+struct Which {
+    /// Only this case
+    #[arg(long, value_name = "NAME")]
+    case: Option<String>,
+    /// Measure on this device profile instead of each case's own
+    #[arg(long, value_name = "PROFILE")]
+    device: Option<DeviceProfile>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Print one receiver's whole chain: coordinates, texels, all rungs, cause
+    Explain {
+        /// The case
+        #[arg(long, value_name = "NAME")]
+        case: String,
+        /// Pixel from the bottom left
+        #[arg(long, value_name = "X,Y", value_parser = pixel)]
+        pixel: [u32; 2],
+        /// Device profile instead of the case's own
+        #[arg(long, value_name = "PROFILE")]
+        device: Option<DeviceProfile>,
+    },
+}
+
+fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
+    let parsed = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+    parsed.ok_or_else(|| format!("'{text}' is no pixel; give two whole numbers such as 200,150"))
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    harness::run(|| match arguments.command {
+        Some(Command::Explain { case, pixel, device }) => print_chain(case, pixel, device),
+        None => measure(&arguments.common, arguments.which),
+    })
+}
+
+fn measure(common: &Common, which: Which) -> Result<()> {
+    common.start()?;
+    let options = Options {
+        profile: common.profile(),
+        seed: common.seed,
+        case: which.case,
+        device: which.device,
+    };
+    let progress = Progress::new(options.cases()?.len(), "measuring");
+    let report = documents::report(&options, || progress.step())?;
+    progress.finish();
+    common.finish(&report)?;
+    Ok(())
+}
+
+fn print_chain(case: String, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {
+    let options = Options { profile: Default::default(), seed: 0, case: Some(case), device };
+    let case = options.cases()?.remove(0);
+    let [width, height] = case.canvas;
+    if x >= width || y >= height {
+        return Err(Error::bad_input(
+            format!("--pixel {x},{y}"),
+            format!("lies outside the canvas of {width} x {height}"),
+            "count from 0 at the bottom left",
+        ));
+    }
+    let observer = Observer::new(&case, &case.device.device());
+    let text = explain(&observer, x, y).ok_or_else(|| {
+        Error::bad_input(
+            format!("--pixel {x},{y}"),
+            "is background: nothing is drawn there",
+            "choose a pixel on a surface",
+        )
+    })?;
+    harness::print(&text)
+}

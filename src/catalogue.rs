@@ -65,7 +65,7 @@ macro_rules! catalogue {
         }
 
         impl serde::Serialize for $Set {
-            fn serialize<S: serde::Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+            fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
                 s.serialize_str(self.name())
             }
         }

@@ -1,4 +1,4 @@
-//! Ulp steps and ordinals of `f32`.
+//! Ulp steps and ordinals of `f32`, and rounding to half precision.
 
 /// The ordinal of a float: consecutive finite floats have consecutive ordinals, `-0.0` and `+0.0`
 /// share 0, infinities follow the largest finite values. NaN is a bug of the caller.
@@ -29,6 +29,19 @@ pub fn ulp(x: f32) -> f64 {
     f64::from(x.next_up()) - f64::from(x)
 }
 
+/// The nearest half-precision value, ties to even; overflow gives infinity.
+#[must_use]
+pub fn to_half(x: f32) -> f32 {
+    half::f16::from_f32(x).to_f32()
+}
+
+/// 2ⁿ as f64 for −1022 ≤ n ≤ 1023, exactly (`powi` has unspecified precision).
+#[must_use]
+pub const fn exp2(n: i32) -> f64 {
+    assert!(-1022 <= n && n <= 1023, "2ⁿ is a normal f64");
+    f64::from_bits(((n + 1023) as u64) << 52)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,7 +57,7 @@ mod tests {
 
     #[test]
     fn ulp_is_the_spacing_above() {
-        assert_eq!(ulp(1.0), 2f64.powi(-23), "spacing at one");
-        assert_eq!(ulp(-0.75), 2f64.powi(-24), "spacing below one");
+        assert_eq!(ulp(1.0), exp2(-23), "spacing at one");
+        assert_eq!(ulp(-0.75), exp2(-24), "spacing below one");
     }
 }

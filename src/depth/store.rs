@@ -63,6 +63,50 @@ impl UnormLoad {
     }
 }
 
+crate::catalogue! {
+    /// How a colour channel becomes a byte: by one rule, or by any rule that an API admits.
+    pub enum ByteStore {
+        /// Rounded to nearest, ties to even (the measured WebGL).
+        HalfEven = "half-even",
+        /// Rounded to nearest, ties up.
+        HalfUp = "half-up",
+        /// Truncated: legal in Vulkan and OpenGL ES.
+        Truncate = "truncate",
+        /// Every byte within 0.6 of 255·x (D3D's conversion tolerance): the worst of the set.
+        Admissible = "d3d-0.6",
+    }
+}
+
+/// One rounding of f32(255·x), clamped to [0,255], to a byte.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ByteRounding {
+    /// To nearest, ties to even.
+    Even,
+    /// ⌊255·x + half⌋.
+    Floor {
+        /// 0.5 rounds, 0 truncates; 0.4 and 0.6 are the ends of D3D's tolerance.
+        half: f64,
+    },
+}
+
+impl ByteStore {
+    /// The roundings whose bytes enclose the admissible ones from below and from above: one rounding
+    /// for a rule, ⌊255x + 0.4⌋ and ⌊255x + 0.6⌋ for D3D's 0.6 ulp. A byte k is admissible iff
+    /// |k − 255x| ≤ 0.6, so the least is ⌈255x − 0.6⌉ = ⌊255x + 0.4⌋ (but for 255x − 0.6 an
+    /// integer, which no f32 is) and the greatest ⌊255x + 0.6⌋. Every unpack here is monotone in
+    /// each byte, hence the worst error over the set is met by all-least or all-greatest bytes.
+    #[must_use]
+    pub fn roundings(self) -> &'static [ByteRounding] {
+        use ByteRounding::{Even, Floor};
+        match self {
+            Self::HalfEven => &[Even],
+            Self::HalfUp => &[Floor { half: 0.5 }],
+            Self::Truncate => &[Floor { half: 0.0 }],
+            Self::Admissible => &[Floor { half: 0.4 }, Floor { half: 0.6 }],
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,7 @@ pub enum Plane {
         /// Value = gradient · (px, py, 1).
         coefficients: DVec3,
     },
-    /// f32((px − x)·a + f32(c + f32((py − y)·b))), each operation rounded.
+    /// f32(f32((px − x)·a + f32(c + f32((py − y)·b))) + offset), each operation rounded.
     Measured {
         /// Pixel position of the reference vertex.
         origin: [f32; 2],
@@ -20,6 +20,8 @@ pub enum Plane {
         gradient: [f32; 2],
         /// Value at the reference vertex.
         constant: f32,
+        /// Added last, with a rounding of its own.
+        offset: f32,
     },
 }
 
@@ -31,10 +33,11 @@ impl Plane {
             Self::Exact { coefficients: k } => {
                 Row::Exact { slope: k.x, base: k.y * f64::from(py) + k.z }
             }
-            Self::Measured { origin, gradient, constant } => Row::Measured {
+            Self::Measured { origin, gradient, constant, offset } => Row::Measured {
                 x: origin[0],
                 slope: gradient[0],
                 base: constant + (py - origin[1]) * gradient[1],
+                offset,
             },
         }
     }
@@ -56,13 +59,13 @@ impl Plane {
 
     /// The plane moved by a constant, as polygon offset does before a fragment's depth is formed.
     #[must_use]
-    pub fn moved(self, offset: f32) -> Self {
+    pub fn moved(self, by: f32) -> Self {
         match self {
             Self::Exact { coefficients } => {
-                Self::Exact { coefficients: coefficients + DVec3::new(0.0, 0.0, f64::from(offset)) }
+                Self::Exact { coefficients: coefficients + DVec3::new(0.0, 0.0, f64::from(by)) }
             }
-            Self::Measured { origin, gradient, constant } => {
-                Self::Measured { origin, gradient, constant: constant + offset }
+            Self::Measured { origin, gradient, constant, offset } => {
+                Self::Measured { origin, gradient, constant, offset: offset + by }
             }
         }
     }
@@ -86,6 +89,8 @@ pub enum Row {
         slope: f32,
         /// At the reference vertex' x.
         base: f32,
+        /// Added last.
+        offset: f32,
     },
 }
 
@@ -95,7 +100,7 @@ impl Row {
     pub fn at(&self, px: f32) -> f32 {
         match *self {
             Self::Exact { slope, base } => (slope * f64::from(px) + base) as f32,
-            Self::Measured { x, slope, base } => (px - x) * slope + base,
+            Self::Measured { x, slope, base, offset } => ((px - x) * slope + base) + offset,
         }
     }
 }
@@ -122,6 +127,7 @@ fn measured_depth(device: &Device, p: &Projected) -> Plane {
         origin: origin(o),
         gradient: [(y2 * z1 - y1 * z2) * d, (x1 * z2 - x2 * z1) * d],
         constant: z[o] * 0.5 + 0.5,
+        offset: 0.0,
     }
 }
 
@@ -218,7 +224,7 @@ impl Basis {
                     };
                     (term(0) + term(1)) + term(2)
                 };
-                Plane::Measured { origin, gradient: [k(0), k(1)], constant: k(2) }
+                Plane::Measured { origin, gradient: [k(0), k(1)], constant: k(2), offset: 0.0 }
             }
         }
     }

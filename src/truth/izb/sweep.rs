@@ -88,7 +88,7 @@ impl Kernel for Chunk<'_> {
     type Output = Found;
 
     #[inline(always)]
-    fn run(mut self) -> Found {
+    fn run(mut self, _has_fma: bool) -> Found {
         let Shared { geometry, vertices, bins, .. } = self.shared;
         let mut batch = Batch::EMPTY;
         for id in self.ids.clone() {

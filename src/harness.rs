@@ -1,0 +1,205 @@
+//! What every binary shares: arguments, threads, progress, interruption, stdout and exit codes.
+
+use std::fs;
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::output;
+use crate::report::{Profile, Report, Table, Written};
+use crate::{Error, Result};
+
+/// Arguments that every experiment takes; flatten them into the binary's own.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Common {
+    /// Folder for the report [default: reports/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Also write the results as JSON here; `-` prints them instead of the table
+    #[arg(long, value_name = "PATH")]
+    pub json: Option<PathBuf>,
+    /// Every 4th pixel of the canvas in x and y: the profile of the committed reports
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// Every pixel (the default)
+    #[arg(long)]
+    pub full: bool,
+    /// Worker threads; results do not depend on them [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl Common {
+    /// Quick or full.
+    #[must_use]
+    pub fn profile(&self) -> Profile {
+        if self.quick { Profile::Quick } else { Profile::Full }
+    }
+
+    /// The report's folder: `--out`, else `reports/name`.
+    #[must_use]
+    pub fn folder(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("reports").join(name))
+    }
+
+    /// Sets up the worker threads; call once, before any parallel work.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] where the system does not give so many threads.
+    pub fn start(&self) -> Result<()> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        pool.map_err(|e| Error::bad_input("--threads", e.to_string(), "ask for fewer threads"))
+    }
+
+    /// Writes the report (and `--json`), prints its summary table and where the page is.
+    ///
+    /// # Errors
+    /// As [`Report::write`], and [`Error::Write`] for `--json`.
+    pub fn finish(&self, report: &Report) -> Result<Written> {
+        let written = report.write(&self.folder(&report.name))?;
+        let to_stdout = self.json.as_deref() == Some(Path::new("-"));
+        match &self.json {
+            Some(_) if to_stdout => print(&json_text(&report.results))?,
+            Some(path) => write_json(path, &report.results)?,
+            None => {}
+        }
+        if !to_stdout {
+            print(&summary(report, &written))?;
+        }
+        Ok(written)
+    }
+}
+
+/// The lead sentences, the table and the page's path.
+fn summary(report: &Report, written: &Written) -> String {
+    let table = report.results_csv.as_ref().map(Table::to_text).unwrap_or_default();
+    let lead = report.lead.join("\n");
+    format!("{table}\n{lead}\n\n{} files; open {}\n", written.files.len(), written.page().display())
+}
+
+fn json_text(value: &serde_json::Value) -> String {
+    let mut text = serde_json::to_string_pretty(value).expect("a JSON value is JSON");
+    text.push('\n');
+    text
+}
+
+/// Writes one JSON file: whole, or the earlier one stays.
+///
+/// # Errors
+/// [`Error::Write`] where the path cannot be written.
+pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).map_err(|e| Error::write(path, e))?;
+    let mut file = tempfile::NamedTempFile::new_in(parent).map_err(|e| Error::write(path, e))?;
+    file.write_all(json_text(value).as_bytes())
+        .and_then(|()| file.as_file().sync_all())
+        .map_err(|e| Error::write(path, e))?;
+    file.persist(path).map_err(|e| Error::write(path, e.error))?;
+    Ok(())
+}
+
+/// Prints to stdout. A reader that has gone away (`| head`) ends the program quietly.
+///
+/// # Errors
+/// [`Error::Write`] where stdout cannot be written for another reason.
+pub fn print(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => std::process::exit(0),
+        result => result.map_err(|e| Error::write("stdout", e)),
+    }
+}
+
+/// Prints a table as aligned text, which is a Markdown table too.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_table(table: &Table) -> Result<()> {
+    print(&table.to_text())
+}
+
+/// Runs a binary's body: prints an error once, as `error: …`, and turns it into its exit code.
+/// Ctrl-C ends the program with 130 between two states of the output, within two seconds.
+#[must_use]
+pub fn run(body: impl FnOnce() -> Result<()>) -> ExitCode {
+    stop_on_interrupt();
+    match body() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) if interrupted() => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+const INTERRUPTED: u8 = 130;
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Whether the user asked to stop. Long loops may look and return early with what is done.
+#[must_use]
+pub fn interrupted() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
+fn stop_on_interrupt() {
+    let set = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
+        eprintln!("interrupted: earlier files are untouched; run the same command again");
+        std::thread::sleep(Duration::from_millis(1500));
+        let _between_two_states = output::quiesce();
+        std::process::exit(INTERRUPTED.into());
+    });
+    // A second handler in one process (tests) changes nothing.
+    drop(set);
+}
+
+/// A progress bar on stderr; nothing at all where stderr is no terminal.
+#[derive(Clone, Debug)]
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    /// A bar of `total` steps.
+    ///
+    /// # Panics
+    /// Never: the bar's template is fixed.
+    #[must_use]
+    pub fn new(total: usize, doing: &str) -> Self {
+        let target = if io::stderr().is_terminal() {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(Some(total as u64), target);
+        let style = ProgressStyle::with_template("{msg} [{bar:32}] {pos}/{len} {eta}");
+        bar.set_style(style.expect("a well-formed template").progress_chars("=> "));
+        bar.set_message(doing.to_string());
+        Self(bar)
+    }
+
+    /// One step is done; may be called from any thread.
+    pub fn step(&self) {
+        self.0.inc(1);
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}

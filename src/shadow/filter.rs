@@ -1,0 +1,133 @@
+//! Which texels a look-up reads, and with what arithmetic.
+
+use super::footprint::Footprint;
+use super::{ShadowMap, sampler};
+use crate::device::{Device, NearestCoord};
+use crate::scene::{Filter, TexelFormat, Wrap};
+
+/// Texels of a map, read one by one: a stored map, or one that is encoded as it is read.
+pub trait Texels {
+    /// Texels per side.
+    fn size(&self) -> u32;
+    /// What a texel holds.
+    fn format(&self) -> TexelFormat;
+    /// The depth that a NEAREST look-up of a texel returns to the comparison.
+    fn depth(&self, device: &Device, texel: usize) -> f32;
+    /// The bytes of a texel of a packed map.
+    fn bytes(&self, texel: usize) -> Option<[u8; 4]>;
+}
+
+/// The depths that one look-up compares, and the texels that each was made of: one of one for
+/// NEAREST, one of four for LINEAR, nine of one for 3×3 PCF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taps {
+    depths: Vec<f32>,
+    texels: Vec<u32>,
+    texels_per_tap: usize,
+    /// Weights that add up to 1; empty where all taps weigh the same.
+    weights: Vec<f64>,
+}
+
+impl Taps {
+    /// Stored depths, as compared.
+    #[must_use]
+    pub fn depths(&self) -> &[f32] {
+        &self.depths
+    }
+
+    /// The texels that tap `i` was made of; the first is the one that NEAREST reads.
+    #[must_use]
+    pub fn texels(&self, i: usize) -> &[u32] {
+        &self.texels[i * self.texels_per_tap..(i + 1) * self.texels_per_tap]
+    }
+
+    /// The tap in the middle, or the heaviest where weights differ.
+    #[must_use]
+    pub fn centre(&self) -> usize {
+        let heaviest = |best: usize, i: usize| {
+            if self.weights[i] > self.weights[best] { i } else { best }
+        };
+        match self.weights.len() {
+            0 => self.depths.len() / 2,
+            n => (0..n).fold(0, heaviest),
+        }
+    }
+
+    /// Weight of each tap where they differ; they add up to 1.
+    #[must_use]
+    pub fn weights(&self) -> Option<&[f64]> {
+        (!self.weights.is_empty()).then_some(&self.weights)
+    }
+
+    /// Fractional visibility in [0,1] of a look-up whose tap `i` is lit where `is_lit(i)`.
+    #[must_use]
+    pub fn visibility(&self, is_lit: impl Fn(usize) -> bool) -> f64 {
+        let lit = (0..self.depths.len()).filter(|&i| is_lit(i));
+        match self.weights() {
+            None => lit.count() as f64 / self.depths.len() as f64,
+            Some(weights) => lit.map(|i| weights[i]).sum(),
+        }
+    }
+}
+
+impl ShadowMap {
+    /// Reads the map at (u, v).
+    #[must_use]
+    pub fn taps(&self, device: &Device, filter: Filter, wrap: Wrap, u: f32, v: f32) -> Taps {
+        let mut footprint = Footprint::default();
+        let fixed = fixed_coordinates(device, self.format());
+        footprint.place(filter, wrap, self.size(), fixed, [u, v]);
+        read(self, device, &footprint)
+    }
+
+    /// Index of the texel that NEAREST picks.
+    #[must_use]
+    pub fn nearest(&self, device: &Device, wrap: Wrap, u: f32, v: f32) -> u32 {
+        let fixed = fixed_coordinates(device, self.format());
+        let axis = |c: f32| sampler::nearest_texel(c, self.size(), wrap, fixed);
+        axis(v) * self.size() + axis(u)
+    }
+}
+
+/// Whether NEAREST coordinates are fixed point in textures of this format.
+#[must_use]
+pub fn fixed_coordinates(device: &Device, format: TexelFormat) -> bool {
+    device.nearest == NearestCoord::Fixed16 && matches!(format, TexelFormat::Packed(_))
+}
+
+/// Reads the texels of a footprint.
+#[must_use]
+pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint) -> Taps {
+    let taps = footprint.taps();
+    if footprint.mixed.is_some() {
+        let depth = mixed_depth(map, device, footprint);
+        let texels = taps.iter().map(|tap| tap.texel).collect();
+        return Taps { depths: vec![depth], texels, texels_per_tap: 4, weights: Vec::new() };
+    }
+    Taps {
+        depths: taps.iter().map(|tap| map.depth(device, tap.texel as usize)).collect(),
+        texels: taps.iter().map(|tap| tap.texel).collect(),
+        texels_per_tap: 1,
+        weights: match footprint.weighted {
+            true => taps.iter().map(|tap| tap.weight).collect(),
+            false => Vec::new(),
+        },
+    }
+}
+
+/// LINEAR: bytes are mixed in f32 on 0…255 (x before y), times f32(1/255), then decoded; depth
+/// textures without a compare mode read 0, as measured.
+#[must_use]
+pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint) -> f32 {
+    let (Some(mix), TexelFormat::Packed(packing)) = (footprint.mixed, map.format()) else {
+        return 0.0;
+    };
+    let bytes = mix.texels.map(|texel| map.bytes(texel as usize).unwrap_or_default());
+    let scale = device.load.value(1, 255);
+    let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    packing.unpack(std::array::from_fn(|c| {
+        let [p, q, r, s] = bytes.map(|texel| f32::from(texel[c]));
+        let (low, high) = (lerp(p, q, mix.weights[0]), lerp(r, s, mix.weights[0]));
+        lerp(low, high, mix.weights[1]) * scale
+    }))
+}
