@@ -90,15 +90,16 @@ impl Bins {
     fn farthest_by_block(&self) -> Vec<f32> {
         let blocks = self.blocks();
         let mut farthest = vec![f32::INFINITY; blocks * blocks];
-        for row in 0..self.cells {
-            for column in (0..self.cells).step_by(BLOCK) {
-                let end = (column + BLOCK).min(self.cells);
-                let run = self.run(row, column, end);
-                let least = self.depth[run].iter().copied().fold(f32::INFINITY, f32::min);
-                let block = &mut farthest[row / BLOCK * blocks + column / BLOCK];
-                *block = block.min(least);
+        farthest.par_chunks_mut(blocks).enumerate().for_each(|(block_row, farthest)| {
+            let rows = block_row * BLOCK..((block_row + 1) * BLOCK).min(self.cells);
+            for row in rows {
+                for (column, least) in farthest.iter_mut().enumerate() {
+                    let end = ((column + 1) * BLOCK).min(self.cells);
+                    let run = &self.depth[self.run(row, column * BLOCK, end)];
+                    *least = run.iter().fold(*least, |m, &x| if x < m { x } else { m });
+                }
             }
-        }
+        });
         farthest
     }
 
@@ -178,7 +179,8 @@ fn sorted(
     cursors: &mut [Vec<u32>],
 ) -> Vec<AtomicU32> {
     let mut order = Vec::new();
-    order.resize_with(placed.len(), AtomicU32::default);
+    let zeros = (0..placed.len()).into_par_iter().with_min_len(1 << 16);
+    zeros.map(|_| AtomicU32::new(0)).collect_into_vec(&mut order);
     placed.par_chunks(chunk).zip(cursors).enumerate().for_each(|(c, (placed, cursor))| {
         for (k, p) in placed.iter().enumerate() {
             let place = &mut cursor[p.cell(cells)];

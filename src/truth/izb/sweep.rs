@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use rayon::prelude::*;
+
 use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, LANES};
@@ -35,9 +37,10 @@ pub(super) struct Known {
 
 impl Known {
     pub(super) fn new(len: usize) -> Self {
-        let lit = || [f32::INFINITY, f32::NEG_INFINITY].map(|x| AtomicU32::new(x.to_bits()));
+        let lit = |_| [f32::INFINITY, f32::NEG_INFINITY].map(|x| AtomicU32::new(x.to_bits()));
         let mut bounds = Vec::new();
-        bounds.resize_with(len, lit);
+        let places = (0..len).into_par_iter().with_min_len(1 << 16);
+        places.map(lit).collect_into_vec(&mut bounds);
         Self { bounds }
     }
 
