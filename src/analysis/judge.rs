@@ -6,7 +6,7 @@ use super::observation::Observation;
 use super::observe::Observer;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::Filter;
-use crate::truth::{Faces, FirstHit, Truth};
+use crate::truth::{Answer, Faces, FirstHit, Receiver, Truth};
 use glam::{DVec2, DVec3};
 
 impl Observer<'_> {

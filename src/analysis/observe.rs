@@ -7,9 +7,9 @@ use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::raster::NO_TRIANGLE;
 use crate::raster::passes::{Subject, draw_map};
-use crate::scene::{Case, Cull, Filter, Geometry, LookupSpec};
+use crate::scene::{Case, Cull, Geometry, LookupSpec};
 use crate::shadow::{self, ShadowMap, Taps};
-use crate::truth::{Answer, Faces, FirstHit, Receiver, Tracer, Truth};
+use crate::truth::{Answer, Faces, Receiver, Tracer, Truth};
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
 
