@@ -116,7 +116,7 @@ impl Settings {
     /// [`Error::BadInput`] naming place, line and key.
     pub fn parse(place: &str, text: &str) -> Result<Self> {
         toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| text[..span.start].lines().count().max(1));
+            let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
             let reason = e.message().replace('\n', " ");
             Error::bad_input(format!("{place}: line {line}"), reason, "see the README for the keys")
         })

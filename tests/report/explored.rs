@@ -122,6 +122,8 @@ pub(crate) fn explorer(id: &str, size: (u32, u32)) -> Explorer {
         caption: "Masks, counts and curve follow the slider.".into(),
         width: size.0,
         height: size.1,
+        step: 1,
+        bottom_up: false,
         slider: Slider {
             label: "constant bias [window depth]".into(),
             low: 1e-7,

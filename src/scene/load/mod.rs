@@ -89,7 +89,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
 
 /// Refuses coordinates that are not finite or beyond 10³⁰, naming the first.
 fn check_positions(place: &str, mesh: &Mesh) -> Result<()> {
-    let bad = mesh.positions.iter().position(|p| !(p.abs().max_element() <= 1e30));
+    let bad = mesh.positions.iter().position(|p| !p.is_finite() || p.abs().max_element() > 1e30);
     bad.map_or(Ok(()), |i| {
         Err(Error::bad_input(
             place,
