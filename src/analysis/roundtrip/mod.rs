@@ -19,9 +19,12 @@ pub mod curve;
 pub mod filter;
 pub mod moments;
 mod prune;
+pub mod report;
 mod sample;
+pub mod shaders;
 pub mod survey;
 pub mod tally;
+pub mod verdict;
 pub mod world;
 
 pub use certificate::{Certificate, Order, Peak, Promise, RangeError, Special, Subject, certify};
