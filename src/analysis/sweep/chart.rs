@@ -229,7 +229,7 @@ impl<'f, 'a> Chart<'f, 'a> {
     ) -> Looks {
         let Glance { sample, coord, footprint, bias } = *at;
         let spec = &self.field.case().lookup;
-        let empty = Looks { lit: sample.lit, gap: sample.gap, ..Looks::default() };
+        let empty = unlooked(sample);
         if spec.range_test && !shadow::in_square(coord) {
             return empty;
         }
@@ -296,7 +296,7 @@ impl<'f, 'a> Chart<'f, 'a> {
             let moved = sample.receiver.position + offset;
             let Some(window) = case.light.window_from_world(&observer.clip_from_world, moved)
             else {
-                return Looks { lit: sample.lit, gap: sample.gap, ..Looks::default() };
+                return unlooked(sample);
             };
             let coord = added(sample.coord, window - sample.exact);
             footprint.place(self.filter, case.lookup.wrap, self.size, fixed, [coord[0], coord[1]]);
@@ -428,6 +428,11 @@ fn vertex_normals(field: &Field<'_>) -> Vec<DVec3> {
         if size > 0.0 { n / size } else { n }
     };
     normals.into_iter().map(unit).collect()
+}
+
+/// A receiver without comparisons.
+fn unlooked(sample: &Sample) -> Looks {
+    Looks { lit: sample.lit, gap: sample.gap, inside: sample.inside, ..Looks::default() }
 }
 
 /// The subject's coordinates after an exact change, one rounding each.

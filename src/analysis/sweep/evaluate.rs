@@ -15,7 +15,7 @@ pub struct Point {
     /// Wrong verdicts there.
     pub tally: Tally,
     /// Longest way that a peter-panned receiver lies inside its true shadow, towards the light on the
-    /// surface, world units: the contact gap to within a pixel. NaN where it was not asked for.
+    /// surface, world units: the contact gap to within a pixel.
     pub gap: f64,
 }
 
@@ -134,14 +134,15 @@ fn by_breakpoints(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limi
     let weights = chart.weights(swept.format);
     let taps = Taps::new(swept.strategy, &weights);
     let curve = taps.curve(&looks, rule);
-    let point = |(&amount, tally): (&f32, Tally)| Point { amount, tally, gap: f64::NAN };
-    swept.points = amounts.iter().zip(curve.at(amounts)).map(point).collect();
+    let point = |((&amount, tally), gap): ((&f32, Tally), f64)| Point { amount, tally, gap };
+    let tallies = amounts.iter().zip(curve.at(amounts));
+    swept.points = tallies.zip(curve.gaps_at(amounts)).map(point).collect();
     swept.critical = curve.critical;
     swept.detachment = curve.first(Kind::PeterPanning);
     swept.acne_free = curve.quiet_from(limit, &[Kind::Acne]).map(|amount| Point {
         amount,
         tally: curve.at(&[amount])[0],
-        gap: longest_gap(chart, &looks, |i| taps.bias(i, amount)),
+        gap: curve.gaps_at(&[amount])[0],
     });
     swept
 }

@@ -34,6 +34,8 @@ pub struct Looks {
     pub lit: bool,
     /// Window depth to its first occluder.
     pub gap: f64,
+    /// Way inside its true shadow, world units.
+    pub inside: f64,
     /// Whether the receiver's move alone has made it lit.
     pub moved_into_light: bool,
 }
@@ -149,6 +151,9 @@ impl Looks {
             };
             curve.count(Kind::LightLeak, from, until.min(hides));
             curve.count(Kind::PeterPanning, from.max(hides), until);
+            if from.max(hides) < until {
+                curve.panned(from.max(hides), self.inside);
+            }
         };
         let mut until = breakpoints[self.centre];
         lit(&self.taps[self.centre], until, f32::INFINITY);

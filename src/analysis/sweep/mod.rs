@@ -3,8 +3,11 @@
 pub mod chart;
 pub mod evaluate;
 pub mod field;
+pub mod gate;
 pub mod looks;
+pub mod pictures;
 pub mod plan;
+pub mod report;
 pub mod tally;
 
 use crate::scene::{Case, TexelFormat};

@@ -83,6 +83,8 @@ struct Event {
 pub struct Curve {
     base: Tally,
     events: Vec<Event>,
+    /// Peter-panned receivers: from which amount on, and how far inside their true shadow.
+    gaps: Vec<(f32, f64)>,
     /// Largest breakpoint of truly lit receivers that see their own surface alone.
     pub critical: Option<f32>,
     /// Smallest breakpoint of truly shadowed receivers whose texel holds a true occluder.
@@ -112,9 +114,30 @@ impl Curve {
         }
     }
 
+    /// A receiver `inside` world units deep in its true shadow is peter-panned from an amount on.
+    pub fn panned(&mut self, from: f32, inside: f64) {
+        self.gaps.push((from, inside));
+    }
+
+    /// The longest way inside the true shadow of any receiver that is peter-panned at each of
+    /// `amounts`, which ascend; an upper bound where a later tap takes a verdict over.
+    #[must_use]
+    pub fn gaps_at(&self, amounts: &[f32]) -> Vec<f64> {
+        let (mut longest, mut next) = (0.0f64, 0);
+        let mut reach = |amount: f32| {
+            while let Some(&(_, inside)) = self.gaps.get(next).filter(|g| g.0 <= amount) {
+                longest = longest.max(inside);
+                next += 1;
+            }
+            longest
+        };
+        amounts.iter().map(|&amount| reach(amount)).collect()
+    }
+
     /// Puts the breakpoints in order; call once after all are in.
     #[must_use]
     pub fn sorted(mut self) -> Self {
+        self.gaps.sort_unstable_by_key(|&(from, inside)| (ordinal(from), inside.to_bits()));
         self.events.sort_unstable_by_key(|event| ordinal(event.at));
         self
     }
