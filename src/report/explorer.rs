@@ -4,8 +4,6 @@
 //! slider value (f32) at which it does, `+∞` for never, `-∞` for always. Everything else follows
 //! by comparing, so page and program agree at every f32.
 
-use ::image::ExtendedColorType;
-
 use super::image::png;
 use super::palette::Colour;
 
@@ -298,7 +296,7 @@ impl Explorer {
     pub(super) fn to_png(&self) -> Vec<u8> {
         let rgb = self.views.first().map(|view| self.picture(view, self.slider.value));
         let rgb = rgb.expect("an explorer has a view");
-        png(self.width, self.height, &rgb, ExtendedColorType::Rgb8)
+        png(self.width, self.height, &rgb)
     }
 
     /// Panics with a sentence where arrays do not fit each other: a mistake of the program.
