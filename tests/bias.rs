@@ -1,10 +1,10 @@
 //! Polygon offset against exact rationals, and the filters' and strategies' basic promises.
 
+use glam::Vec4;
 use gnomon::depth::DepthFormat;
 use gnomon::device::{Device, DeviceProfile, OffsetUnit, SlopeNorm};
 use gnomon::num::{exp2, ulps_between};
 use gnomon::raster::{PolygonOffset, Setup};
-use glam::Vec4;
 use proptest::prelude::*;
 
 fn device(norm: SlopeNorm, unit: OffsetUnit) -> Device {

@@ -40,9 +40,10 @@ fn curves_equal_the_literal_rule() {
                 let curve = taps.curve(&looks, rule);
                 let breakpoints = curve.breakpoints();
                 let stride = (breakpoints.len() / 60).max(1);
-                let around = breakpoints.iter().step_by(stride).flat_map(|&b| {
-                    [from_ordinal(ordinal(b) - 1), b, from_ordinal(ordinal(b) + 1)]
-                });
+                let around = breakpoints
+                    .iter()
+                    .step_by(stride)
+                    .flat_map(|&b| [from_ordinal(ordinal(b) - 1), b, from_ordinal(ordinal(b) + 1)]);
                 let drawn = (0..150).map(|_| libm::exp2(random(&mut seed) * 30.0 - 24.0) as f32);
                 let mut amounts: Vec<f32> = drawn.chain(around).filter(|a| *a >= 0.0).collect();
                 amounts.sort_by_key(|&a| ordinal(a));
@@ -141,10 +142,18 @@ fn every_strategy_ends_acne_on_a_plane_or_has_none() {
                     | Strategy::Midpoint
                     | Strategy::Oriented
             );
-            assert!(acne > 0 || layered || matches!(strategy, Strategy::ReceiverPlane | Strategy::Adaptive), "{strategy} {filter}: a plane has acne without bias");
+            assert!(
+                acne > 0
+                    || layered
+                    || matches!(strategy, Strategy::ReceiverPlane | Strategy::Adaptive),
+                "{strategy} {filter}: a plane has acne without bias"
+            );
             let sideways = strategy == Strategy::NormalGodot;
             let far = matches!(strategy, Strategy::ReceiverPlaneTap);
-            assert!(swept.acne_free.is_some() || sideways || far || strategy == Strategy::Oriented, "{strategy} {filter}: never ends acne");
+            assert!(
+                swept.acne_free.is_some() || sideways || far || strategy == Strategy::Oriented,
+                "{strategy} {filter}: never ends acne"
+            );
         }
     }
 }
@@ -162,7 +171,9 @@ fn impossible_sweeps_are_refused_in_a_sentence() {
         max_acne: 0.0,
     };
     assert!(plan(vec![256], 200).checked().is_ok());
-    for bad in [plan(vec![], 200), plan(vec![0], 200), plan(vec![9000], 1), plan(vec![256], 1_000_000)] {
+    for bad in
+        [plan(vec![], 200), plan(vec![0], 200), plan(vec![9000], 1), plan(vec![256], 1_000_000)]
+    {
         let error = bad.checked().unwrap_err();
         assert_eq!(error.exit_code(), 2, "{error}");
         assert!(error.to_string().lines().count() == 1, "{error}");
