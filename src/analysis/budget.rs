@@ -38,7 +38,7 @@ pub struct Budget {
     pub receiver_plane: Option<f64>,
 }
 
-/// The smallest amount of a strategy that ends acne and faults.
+/// The smallest amount of a strategy that ends acne.
 fn critical(
     field: &Field<'_>,
     size: u32,
@@ -51,7 +51,7 @@ fn critical(
     let weights = chart.weights(format);
     let rule = field.case().lookup.compare;
     let curve = Taps::new(strategy, &weights).curve(&looks, rule);
-    curve.quiet_from(0, &[Kind::Acne, Kind::EncodingFault]).map(f64::from)
+    curve.quiet_from(0, &[Kind::Acne]).map(f64::from)
 }
 
 /// A sound format with the bits of a packing that are worth keeping.

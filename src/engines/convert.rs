@@ -40,7 +40,7 @@ impl Place {
 
     /// The window depth whose [`Self::world_from_window`] is nearest to `world`: the closed inverse
     /// dW/(Z(Z − dW))·nf/(f − n), then the best of its neighbours, so that going to and fro stays
-    /// within 2 ulp.
+    /// within 2 ulp up to dW = Z/3 (beyond, ulps of dW are worth ever more of b).
     #[must_use]
     pub fn window_from_world(&self, world: f64) -> f64 {
         let range = self.far - self.near;
