@@ -52,6 +52,7 @@ pub mod catalogue;
 pub mod conformance;
 pub mod depth;
 pub mod device;
+pub mod engines;
 pub mod error;
 pub mod harness;
 pub mod light;

@@ -88,6 +88,14 @@ impl Fragments {
         self.setups.iter().map(|(setup, _)| setup.offset(&self.device, format, offset)).collect()
     }
 
+    /// The value of a quantity over w at a texel's centre, given at the three vertices of `triangle`:
+    /// f64, rounded once.
+    #[must_use]
+    pub fn value(&self, texel: u32, triangle: u32, at_vertices: [f32; 3]) -> f32 {
+        let plane = self.setups[triangle as usize].0.exact_plane(at_vertices);
+        plane.at((texel % self.size) as f32, (texel / self.size) as f32)
+    }
+
     /// The place of a texel in [`Self::over_texels`].
     ///
     /// # Panics

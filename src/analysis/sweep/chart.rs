@@ -10,7 +10,7 @@ use crate::raster::{Fragments, Layer, NO_TRIANGLE, Pass, PolygonOffset, Raster, 
 use crate::scene::{Cull, DepthBuffer, Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Layers, Recipe, Site, Weights};
 use crate::shadow::{self, Footprint, Texels};
-use glam::{DVec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Vec4};
 
 /// The formats of one raster: colour-packed passes keep the case's depth attachment and fixed-point
 /// coordinates, depth textures are their own attachment.
@@ -191,6 +191,44 @@ impl<'f, 'a> Chart<'f, 'a> {
             let casters = &self.casters;
             self.looks_with(texel, recipe, None, &drawn, &|i, tap, _| (casters[i][tap], 0.0))
         }
+    }
+
+    /// All comparisons without a bias under reversed depth (1 at near, 0 at far, clip z in [0,1]): the
+    /// same coverage, depths of the reversed f32 matrix, both sides negated so that the case's rule holds.
+    #[must_use]
+    pub fn looks_reversed(&self, texel: TexelFormat) -> Vec<Looks> {
+        let observer = &self.field.observer;
+        let subject = &observer.subject;
+        let z_column = DVec4::new(0.0, 0.0, -0.5, 0.0);
+        let w_column = DVec4::new(0.0, 0.0, 0.5, 1.0);
+        let reverse = DMat4::from_cols(DVec4::X, DVec4::Y, z_column, w_column);
+        let matrix = (reverse * observer.clip_from_world).as_mat4();
+        let clip = |p: &DVec3| self.device().mat_vec(&matrix, p.as_vec3().extend(1.0));
+        let clip: Vec<Vec4> = observer.geometry.positions.iter().map(clip).collect();
+        let corners = |t: u32| observer.geometry.triangles[t as usize].map(|v| clip[v as usize]);
+        let drawn = |t: u32| {
+            let triangle = self.raster.triangle[t as usize];
+            let depth = |id: u32| self.fragments.value(t, id, corners(id).map(|v| v.z));
+            Some(if triangle == NO_TRIANGLE { 0.0 } else { depth(triangle) })
+        };
+        let receiver = |sample: &Sample| {
+            let triangle = sample.receiver.triangle;
+            let varyings = subject.camera_setup(triangle).varyings(self.device());
+            let [x, y] = sample.pixel.map(|c| c as f32);
+            let of = |pick: fn(Vec4) -> f32| varyings.scalar(corners(triangle).map(pick), x, y);
+            of(|v| v.z) / of(|v| v.w)
+        };
+        let casters = &self.casters;
+        let mut looks = self.looks_with(texel, &Recipe::default(), None, &drawn, &|i, tap, _| {
+            (casters[i][tap], 0.0)
+        });
+        for (look, sample) in looks.iter_mut().zip(&self.field.samples) {
+            let z = receiver(sample);
+            for tap in &mut look.taps {
+                (tap.z, tap.stored) = (-z, -tap.stored);
+            }
+        }
+        looks
     }
 
     fn drawn(&self, texel: u32) -> Option<f32> {

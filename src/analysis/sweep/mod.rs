@@ -51,7 +51,7 @@ pub fn amounts(strategy: Strategy, bias: &Range, world_per_window: f64) -> Vec<f
         "world units" => {
             range.between(bias.low.max(1e-9) * world_per_window, bias.high * world_per_window)
         }
-        "format steps" | "units r" => range.between(0.25, 65_536.0),
+        "format steps" | "units r" => range.between(0.25, 16_777_216.0),
         _ => range.between(0.01, 32.0),
     };
     let mut values = own.values();

@@ -125,7 +125,8 @@ fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
 }
 
 /// Rates at every amount, and those that no other amount of any strategy beats on both.
-fn trade_off(case: &CaseSweep, id: &str) -> Plot {
+/// `None` where one amount of one strategy beats all others on both axes: there is nothing to trade.
+fn trade_off(case: &CaseSweep, id: &str) -> Option<Plot> {
     let list = own(case);
     let rate = |s: &Swept, p: &Point| {
         let share = |n: i64, of: u64| 100.0 * n as f64 / of.max(1) as f64;
@@ -149,6 +150,9 @@ fn trade_off(case: &CaseSweep, id: &str) -> Plot {
         lowest = lowest.min(y);
         kept
     });
+    if all.len() < 2 {
+        return None;
+    }
     let mut plot = Plot {
         id: id.to_string(),
         title: format!("{}: false shadow against false light", case.name),
@@ -164,7 +168,7 @@ fn trade_off(case: &CaseSweep, id: &str) -> Plot {
         colour: Colour::Ink,
         points: all,
     });
-    plot
+    Some(plot)
 }
 
 /// False shadow and false light along the first strategy's amount.
@@ -264,6 +268,11 @@ fn multiples(case: &Case, sweep: &CaseSweep, step: u32) -> Option<(Block, Block)
     Some((Block::Row(row), Block::Exr(exr)))
 }
 
+/// Plots and pictures stand for all cases of a short list, else for at most six spread over it.
+const fn is_detailed(i: usize, cases: usize) -> bool {
+    i.is_multiple_of(cases.div_ceil(6))
+}
+
 /// The whole report.
 #[must_use]
 pub fn report(
@@ -277,20 +286,22 @@ pub fn report(
     let mut overview = Section::new("overview", "Which strategy wins", "");
     overview.push(table.clone());
     let mut sections = vec![overview];
-    for (case, sweep) in plan.cases.iter().zip(sweeps) {
+    for (i, (case, sweep)) in plan.cases.iter().zip(sweeps).enumerate() {
         let name = &case.name;
         let best = winner(&own(sweep)).map_or_else(
             || "No strategy ends acne within the swept range.".to_string(),
             |s| format!("{} wins at its own map and format.", s.strategy),
         );
         let mut section = Section::new(name.clone(), name.clone(), best);
-        let curves = curves(sweep, &format!("{name}-curve"));
-        let plots = curves.into_iter().chain([trade_off(sweep, &format!("{name}-trade-off"))]);
-        section.push(Block::Row(plots.map(Block::Plot).collect()));
         section.push(heat_map(sweep, &format!("{name}-formats")));
-        if let Some((row, exr)) = multiples(case, sweep, plan.step) {
-            section.push(row);
-            section.push(exr);
+        if is_detailed(i, sweeps.len()) {
+            let curves = curves(sweep, &format!("{name}-curve"));
+            let plots = curves.into_iter().chain(trade_off(sweep, &format!("{name}-trade-off")));
+            section.push(Block::Row(plots.map(Block::Plot).collect()));
+            if let Some((row, exr)) = multiples(case, sweep, plan.step) {
+                section.push(row);
+                section.push(exr);
+            }
         }
         sections.push(section.folded());
     }

@@ -151,6 +151,8 @@ crate::catalogue! {
         SlopeRaster = "slope-raster",
         /// Casters drawn at D + a·r: polygon offset in units alone.
         RasterUnits = "raster-units",
+        /// Casters drawn at D + 10a·m + 10a·r (PlayCanvas shadowBias: slope and units are 10 times it).
+        RasterPlaycanvas = "raster-playcanvas",
         /// z against D + min(a·m, 0.01), m the receiver's own depth slope per texel
         /// (opengl-tutorial.org tutorial 16: 0.005·tan(acos(N·L)) clamped to 0.01).
         ReceiverSlope = "receiver-slope",
@@ -237,6 +239,7 @@ impl Strategy {
             Self::FormatSteps => Recipe { steps: a, ..none },
             Self::SlopeRaster => Recipe { polygon: polygon(a, 1.0), ..none },
             Self::RasterUnits => Recipe { polygon: polygon(0.0, a), ..none },
+            Self::RasterPlaycanvas => Recipe { polygon: polygon(10.0 * a, 10.0 * a), ..none },
             Self::ReceiverSlope => Recipe { slope: a, slope_clamp: 0.01, ..none },
             Self::NormalOffset => receiver(along(a64, One, false)),
             Self::NormalBevy => receiver(along(a64 * root2, One, true)),
@@ -288,6 +291,7 @@ impl Strategy {
             | Self::NormalGodot => "texels",
             Self::FormatSteps => "format steps",
             Self::SlopeRaster | Self::ReceiverSlope => "slopes per texel",
+            Self::RasterPlaycanvas => "tenths of a slope",
             Self::RasterUnits => "units r",
             Self::NormalBevy => "texel diagonals",
             Self::NormalFilament => "half texels",
@@ -299,7 +303,11 @@ impl Strategy {
     #[must_use]
     pub const fn family(self) -> Family {
         match self {
-            Self::SlopeRaster | Self::RasterUnits | Self::DualLayer | Self::Oriented => Family::Map,
+            Self::SlopeRaster
+            | Self::RasterUnits
+            | Self::RasterPlaycanvas
+            | Self::DualLayer
+            | Self::Oriented => Family::Map,
             Self::NormalOffset
             | Self::NormalBevy
             | Self::NormalFilament
