@@ -96,7 +96,8 @@ fn measure(common: &Common, what: What) -> Result<()> {
 }
 
 fn print_chain(case: String, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {
-    let options = Options { profile: Default::default(), seed: 0, which: Which::Named(case), device };
+    let options =
+        Options { profile: Default::default(), seed: 0, which: Which::Named(case), device };
     let case = options.cases()?.remove(0);
     let [width, height] = case.canvas;
     if x >= width || y >= height {

@@ -101,10 +101,10 @@ impl Bounds {
 
     /// Smallest and largest coordinate of all points along an axis through the origin.
     fn along(&self, axis: DVec3) -> (f64, f64) {
-        self.points.iter().map(|p| p.dot(axis)).fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(low, high), d| (low.min(d), high.max(d)),
-        )
+        self.points
+            .iter()
+            .map(|p| p.dot(axis))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)))
     }
 }
 
@@ -162,13 +162,7 @@ pub fn case(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case>
             },
             cull,
         },
-        lookup: LookupSpec {
-            coord: CoordForm::Divide,
-            compare,
-            range_test: true,
-            filter,
-            wrap,
-        },
+        lookup: LookupSpec { coord: CoordForm::Divide, compare, range_test: true, filter, wrap },
         camera_cull: Cull::None,
         bias,
         shading: Shading::AmbientLambert,
@@ -250,7 +244,9 @@ fn directional(
     let width = settings.light.width.unwrap_or(fitted);
     let near = settings.light.near.unwrap_or(stand_off - MARGIN * depth);
     let far = settings.light.far.unwrap_or(stand_off + depth * (1.0 + MARGIN));
-    notes.push(format!("light box: {width} wide, depth from {near} to {far}, fitted where not given"));
+    notes.push(format!(
+        "light box: {width} wide, depth from {near} to {far}, fitted where not given"
+    ));
     let projection = Projection::Orthographic { width, height: width, near, far };
     let view = View { position, target: position + direction * bounds.radius, up };
     Ok(Light {
@@ -310,8 +306,7 @@ fn camera(
 ) -> Result<Camera> {
     let given = &settings.camera;
     let from_file = scene.camera.filter(|_| given.position.is_none());
-    let fovy_degrees =
-        given.fovy.or(from_file.map(|c| c.fovy_degrees)).unwrap_or(45.0);
+    let fovy_degrees = given.fovy.or(from_file.map(|c| c.fovy_degrees)).unwrap_or(45.0);
     let view = match (given.position, from_file) {
         (Some(position), _) => {
             let position = DVec3::from_array(position);

@@ -142,6 +142,13 @@ class Inspector {
     return lines;
   }
 
+  shown(view, field, index) {
+    const value = fieldValue(view, field, index);
+    if (field.names.length) return field.names[value] ?? "–";
+    if (Number.isNaN(value)) return "–";
+    return field.steps ? value.toFixed(Math.max(0, Math.ceil(-Math.log10(field.steps[1] || 1)))) : short(value);
+  }
+
   // Detail of the nearest grid sample up and left.
   measured(view, x, y) {
     if (!view.fields.length && !view.rungs.length) return [];
@@ -150,12 +157,12 @@ class Inspector {
     const index = gy * grid.across + gx, lines = [];
     if (view.every > 1) lines.push(["measured at", this.pixel(gx * view.every, gy * view.every).join(", ")]);
     if (view.rungs.length) {
-      const cause = causeOf(view, index, grid.sample(gx, gy), value);
+      const cause = causeOf(view, index, grid.sample(gx, gy), value, reached(view, value));
       lines.push(["cause", cause < 0 ? "none: the verdict is right" : view.causes[cause][0]]);
     }
-    for (const { name, unit, names, values } of view.fields) {
-      const shown = names.length ? names[values[index]] ?? "–" : Number.isNaN(values[index]) ? "–" : short(values[index]);
-      lines.push([name, unit && shown !== "–" ? `${shown} ${unit}` : shown]);
+    for (const field of view.fields) {
+      const shown = this.shown(view, field, index);
+      lines.push([field.name, field.unit && shown !== "–" ? `${shown} ${field.unit}` : shown]);
     }
     return lines;
   }

@@ -32,7 +32,9 @@ fn elements<'a>(
     let stride = view.stride().map_or(size, |s| s as u64);
     let count = accessor.count() as u64;
     if count == 0 || stride < size {
-        return Err(bad(format!("has count {count} and stride {stride} for elements of {size} bytes")));
+        return Err(bad(format!(
+            "has count {count} and stride {stride} for elements of {size} bytes"
+        )));
     }
     let length = (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size));
     let start = (view.offset() as u64).checked_add(accessor.offset() as u64);

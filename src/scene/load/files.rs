@@ -163,7 +163,9 @@ mod tests {
         let read = |uri: &str| Budget::new(&Limits::default()).read_beside(&scene, "buffer 0", uri);
         assert_eq!(read("good.bin").expect("inside"), b"good");
         let absolute = outer.path().join("secret.bin").display().to_string();
-        for uri in ["../secret.bin", "%2e%2e/secret.bin", "file:///dev/zero", "/dev/zero", &absolute] {
+        for uri in
+            ["../secret.bin", "%2e%2e/secret.bin", "file:///dev/zero", "/dev/zero", &absolute]
+        {
             let message = read(uri).expect_err(uri).to_string();
             assert!(message.contains("outside"), "{uri}: {message}");
         }

@@ -17,7 +17,8 @@ pub(super) fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
     let file = gltf::Gltf::from_slice(&bytes).map_err(|e| {
         Error::bad_input(&place, format!("is no usable glTF 2.0 ({e})"), "export it again")
     })?;
-    let mut reader = Reader { path, place, buffers: Vec::new(), budget, scene: LoadedScene::default() };
+    let mut reader =
+        Reader { path, place, buffers: Vec::new(), budget, scene: LoadedScene::default() };
     reader.read_buffers(&file)?;
     reader.read_nodes(&file.document)?;
     Ok(reader.scene)
@@ -55,7 +56,8 @@ impl Reader<'_> {
                 },
             };
             if (bytes.len() as u64) < buffer.length() as u64 {
-                let reason = format!("holds {} bytes, {} are declared", bytes.len(), buffer.length());
+                let reason =
+                    format!("holds {} bytes, {} are declared", bytes.len(), buffer.length());
                 return Err(Error::bad_input(at, reason, "export it again"));
             }
             self.buffers.push(bytes);
@@ -66,8 +68,7 @@ impl Reader<'_> {
     /// Walks the node tree with a stack of its own; a node met twice is a cycle or a shared child.
     fn read_nodes(&mut self, document: &gltf::Document) -> Result<()> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
-        let scene =
-            scene.ok_or_else(|| self.bad("scenes", "there is none", "export a scene"))?;
+        let scene = scene.ok_or_else(|| self.bad("scenes", "there is none", "export a scene"))?;
         let mut seen = vec![false; document.nodes().len()];
         let mut stack: Vec<_> = scene.nodes().map(|n| (n, Mat4::IDENTITY, 0)).collect();
         stack.reverse();
@@ -82,7 +83,11 @@ impl Reader<'_> {
             }
             let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
             if !world.is_finite() || world.determinant() == 0.0 {
-                return Err(self.bad(&at, "its matrix is singular or not finite", "repair the node"));
+                return Err(self.bad(
+                    &at,
+                    "its matrix is singular or not finite",
+                    "repair the node",
+                ));
             }
             self.read_node(&node, world)?;
             let children: Vec<_> = node.children().collect();

@@ -11,8 +11,8 @@ mod obj_file;
 
 use super::shapes::Mesh;
 use crate::{Error, Result};
-use glam::{DVec3, Mat4};
 pub use files::Limits;
+use glam::{DVec3, Mat4};
 use std::path::Path;
 
 /// What a scene file holds.
