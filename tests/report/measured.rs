@@ -1,5 +1,6 @@
 //! A GPU panel with every packing that has shaders, and what the emulated device predicts for them.
 
+use gnomon::depth::arith::{Folded, Shader};
 use gnomon::depth::{Packing, UnormLoad, UnormStore};
 use gnomon::report::GpuPanel;
 use gnomon::report::gpu::{Predicted, ShaderPair};
@@ -19,8 +20,10 @@ fn depths() -> Vec<f32> {
 
 fn predicted(packing: Packing, depths: &[f32]) -> Predicted {
     let through = |z: f32| {
-        let stored = packing.pack(z).map(|x| UnormStore::HalfEven.code(x, 255));
-        f64::from(packing.unpack(stored.map(|k| UnormLoad::Reciprocal.value(k, 255))))
+        let stored =
+            packing.pack_in(Folded::enter(z)).map(|c| UnormStore::HalfEven.code(c.leave(), 255));
+        let sampled = stored.map(|k| Folded::enter(UnormLoad::Reciprocal.value(k, 255)));
+        f64::from(packing.unpack_in(sampled).leave())
     };
     let error = |z: &f32| (through(*z) - f64::from(*z)).abs();
     Predicted {

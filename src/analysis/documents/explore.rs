@@ -51,6 +51,8 @@ pub(super) fn explorer(measured: &Measured<'_>, compared: &[Measured<'_>], step:
     };
     let shown = std::iter::once(measured).chain(compared);
     explorer.views = shown.map(|measured| view(measured, &explorer)).collect();
+    // Variants have no name that `explain` knows.
+    explorer.views.iter_mut().skip(1).for_each(|view| view.command.clear());
     explorer
 }
 

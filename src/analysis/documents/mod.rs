@@ -115,17 +115,21 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
         let compared: Vec<_> = compared.into_iter().map(|c| c.measurement).collect();
         (measured.measurement, (section, compared))
     };
-    let (measurements, pages): (Vec<_>, Vec<_>) = cases.par_iter().map(page).unzip();
+    let device = options.device.unwrap_or(DeviceProfile::WebglSwiftshader).device();
+    let (measured, probes) = rayon::join(
+        || cases.par_iter().map(page).unzip::<_, _, Vec<_>, Vec<_>>(),
+        || probes::probes(&device),
+    );
+    let (measurements, pages) = measured;
     let (sections, compared): (Vec<_>, Vec<Vec<Measurement>>) = pages.into_iter().unzip();
     let compared = compared.concat();
-    let device = options.device.unwrap_or(DeviceProfile::WebglSwiftshader).device();
     let mut results = json!({
         "schema": SCHEMA,
         "profile": options.profile.name(),
         "seed": options.seed,
         "cases": measurements,
         "variants": compared,
-        "probes": probes::probes(&device),
+        "probes": probes,
     });
     let findings = findings::evaluate(&findings::by_name(&results));
     results["findings"] = findings.iter().map(finding_json).collect();

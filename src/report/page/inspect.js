@@ -134,7 +134,8 @@ class Inspector {
     const lines = [["pixel", `${px}, ${py}`], ["truth", truth], ["class", about.classes[classOf(view, s, value)][0]]];
     if (view.truth[s] !== APART) {
       const taps = Array.from(view.breakpoints.subarray(s * view.taps, (s + 1) * view.taps), short);
-      lines.push([view.taps > 1 ? "lit from, each tap" : "lit from", taps.join(" ")]);
+      const alike = view.taps > 1 && new Set(taps).size === 1;
+      lines.push([view.taps > 1 ? "lit from, each tap" : "lit from", alike ? `${taps[0]}, all ${view.taps}` : taps.join(" ")]);
       if (view.taps > 1) lines.push(["wrong taps", `${wrong} of ${view.taps}`]);
     }
     lines.push(...this.measured(view, x, y));
