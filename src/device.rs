@@ -1,6 +1,9 @@
 //! Device profiles as data: what differs between implementations of one pipeline.
 
+mod fields;
+
 use crate::depth::{DepthFormat, UnormLoad, UnormStore};
+pub use fields::{FIELDS, Field};
 use glam::{Mat4, Vec4};
 
 crate::catalogue! {

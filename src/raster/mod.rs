@@ -8,6 +8,7 @@ mod clip;
 mod fragments;
 pub mod passes;
 mod plane;
+pub mod probe;
 mod triangle;
 
 use crate::depth::DepthFormat;

@@ -143,8 +143,12 @@ pub struct Field {
 /// Values of a field.
 #[derive(Clone, Debug)]
 pub enum Values {
-    /// Measured numbers; NaN is shown as missing.
+    /// Measured numbers, every bit; NaN is shown as missing.
     Numbers(Vec<f32>),
+    /// Measured numbers that the page needs to a 65534th of their range only, half the size.
+    Rounded(Vec<f32>),
+    /// The first of two fields (by their places among the fields, both numbers) less the second.
+    Difference(usize, usize),
     /// Integers.
     Integers(Vec<i32>),
     /// Codes into names; a code without a name is shown as missing.
@@ -226,6 +230,29 @@ impl View {
         let wrong = |rung: &&Rung| (value >= rung.breakpoints[grid]) != truly_lit;
         let run = self.detail.rungs.iter().rev().take_while(wrong).count();
         Some(self.detail.rungs.len() - run)
+    }
+}
+
+impl View {
+    /// Per rung and grid sample: the slider value at which that rung *and all above it* turn, which
+    /// is all that a cause asks of a rung. Below the verdict's own the values repeat, so they pack
+    /// better than the breakpoints; samples that are counted apart get `+∞`.
+    pub(super) fn rung_limits(&self, grid: impl Iterator<Item = (usize, usize)>) -> Vec<Vec<f32>> {
+        let mut limits = vec![Vec::new(); self.detail.rungs.len()];
+        for (grid, sample) in grid {
+            let taps = self.taps_of(sample).iter().copied();
+            let (first, pick): (f32, fn(f32, f32) -> f32) = match self.truth[sample] {
+                Truth::Lit => (taps.fold(f32::NEG_INFINITY, f32::max), f32::min),
+                Truth::Shadowed => (taps.fold(f32::INFINITY, f32::min), f32::max),
+                Truth::Apart => (f32::INFINITY, f32::max),
+            };
+            let mut limit = first;
+            for (rung, limits) in self.detail.rungs.iter().zip(&mut limits).rev() {
+                limit = pick(limit, rung.breakpoints[grid]) + 0.0;
+                limits.push(limit);
+            }
+        }
+        limits
     }
 }
 
@@ -316,18 +343,20 @@ impl Explorer {
             assert!(!view.breakpoints.iter().any(|b| b.is_nan()), "NaN in {}", named(view));
             let grid = self.grid(view).count();
             let rungs = view.detail.rungs.iter().map(|rung| rung.breakpoints.len());
-            let fields = view.detail.fields.iter().map(|field| field.values.len());
+            let fields = view.detail.fields.iter().filter_map(|field| field.values.len());
             assert!(rungs.chain(fields).all(|len| len == grid), "detail of {}", named(view));
         }
     }
 }
 
 impl Values {
-    fn len(&self) -> usize {
+    /// How many are stored; `None` for what follows from other fields.
+    fn len(&self) -> Option<usize> {
         match self {
-            Self::Numbers(values) => values.len(),
-            Self::Integers(values) => values.len(),
-            Self::Names(codes, _) => codes.len(),
+            Self::Numbers(values) | Self::Rounded(values) => Some(values.len()),
+            Self::Integers(values) => Some(values.len()),
+            Self::Names(codes, _) => Some(codes.len()),
+            Self::Difference(..) => None,
         }
     }
 }

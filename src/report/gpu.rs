@@ -1,6 +1,7 @@
 //! A panel that measures the reader's own GPU, as data: shaders to run and what is predicted.
 
-/// The panel. It runs on a button press in WebGL2; without it the page says so.
+/// The panel. It runs on a button press in WebGL2 and, where there is one, WebGPU; without them the
+/// page says so.
 #[derive(Clone, Debug, Default)]
 pub struct GpuPanel {
     /// Unique in the report.
@@ -13,6 +14,8 @@ pub struct GpuPanel {
     pub depths: Vec<f32>,
     /// Pairs to run, each in highp and in mediump.
     pub pairs: Vec<ShaderPair>,
+    /// What known devices do, by the names of the panel's measurements.
+    pub devices: Vec<KnownDevice>,
 }
 
 /// A pack and an unpack function and what they are predicted to give.
@@ -20,21 +23,35 @@ pub struct GpuPanel {
 pub struct ShaderPair {
     /// Name in the results.
     pub name: String,
-    /// GLSL ES 3.00: `vec4 pack(float z)` and `float unpack(vec4 c)`, without precisions, so that
-    /// the default precision of the run holds.
+    /// GLSL ES, good for 1.00 and 3.00: `vec4 pack(float z)` and `float unpack(vec4 c)`, without
+    /// precisions, so that the default precision of the run holds.
     pub glsl: String,
-    /// Predicted for highp on a device that rounds to nearest: largest error over `depths`, and
-    /// what 1.0 becomes.
-    pub highp: Option<Predicted>,
-    /// The same for mediump of 10 fraction bits.
-    pub mediump: Option<Predicted>,
+    /// The same in WGSL: `fn pack(z: f32) -> vec4f` and `fn unpack(c: vec4f) -> f32`.
+    pub wgsl: String,
+    /// Predictions, of any number of devices.
+    pub predicted: Vec<Predicted>,
 }
 
 /// A prediction shown beside the measurement.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Predicted {
+    /// Whose arithmetic, store and sampler.
+    pub on: String,
+    /// `highp` or `mediump`: the run that it stands beside.
+    pub precision: &'static str,
     /// Largest |unpacked − packed| over the panel's depths.
     pub max_error: f64,
     /// What 1.0 unpacks to.
     pub one: f64,
+    /// Whether an operation on the way leaves the finite numbers.
+    pub overflows: bool,
+}
+
+/// What a known device does.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub struct KnownDevice {
+    /// Its name.
+    pub name: String,
+    /// Text or number by the measurement's name.
+    pub facts: serde_json::Map<String, serde_json::Value>,
 }

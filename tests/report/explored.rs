@@ -100,6 +100,21 @@ fn view(size: (u32, u32), taps: usize, every: u32, random: &mut Random) -> View 
             Values::Numbers((0..grid).map(|i| i as f32).collect()),
         ),
         field("texel x", "", Values::Integers((0..grid).map(|i| i as i32 - 5).collect())),
+        field(
+            "stored depth",
+            "window depth",
+            Values::Numbers((0..grid).map(|i| (i * i) as f32 / 7.0).collect()),
+        ),
+        field("margin", "window depth", Values::Difference(0, 2)),
+        field(
+            "world x",
+            "",
+            Values::Rounded(
+                (0..grid)
+                    .map(|i| if i % 9 == 4 { f32::NAN } else { (i % 50) as f32 - 7.3 })
+                    .collect(),
+            ),
+        ),
         field("object", "", Values::Names(vec![1; grid], vec!["plane".into(), "triangle".into()])),
     ];
     View {

@@ -1,27 +1,11 @@
-//! A GPU panel with packings in GLSL, and what the emulated device predicts for them.
+//! A GPU panel with every packing that has shaders, and what the emulated device predicts for them.
 
+use gnomon::depth::arith::{Folded, Shader};
 use gnomon::depth::{Packing, UnormLoad, UnormStore};
 use gnomon::report::GpuPanel;
 use gnomon::report::gpu::{Predicted, ShaderPair};
 
 use crate::explored::Random;
-
-const R8: &str = "vec4 pack(float z) { return vec4(z, 0.0, 0.0, 0.0); }
-float unpack(vec4 c) { return c.r; }";
-const BOOK: &str = "vec4 pack(float z) {
-  vec4 c = fract(z * vec4(1.0, 256.0, 256.0 * 256.0, 256.0 * 256.0 * 256.0));
-  return c - c.gbaa * vec4(1.0 / 256.0, 1.0 / 256.0, 1.0 / 256.0, 0.0);
-}
-float unpack(vec4 c) {
-  return dot(c, vec4(1.0, 1.0 / 256.0, 1.0 / (256.0 * 256.0), 1.0 / (256.0 * 256.0 * 256.0)));
-}";
-const ARAS: &str = "vec4 pack(float z) {
-  vec4 c = fract(vec4(1.0, 255.0, 65025.0, 16581375.0) * z);
-  return c - c.yzww * vec4(1.0 / 255.0, 1.0 / 255.0, 1.0 / 255.0, 0.0);
-}
-float unpack(vec4 c) {
-  return dot(c, vec4(1.0, 1.0 / 255.0, 1.0 / 65025.0, 1.0 / 16581375.0));
-}";
 
 /// Values on and beside byte boundaries, and random ones.
 fn depths() -> Vec<f32> {
@@ -36,28 +20,36 @@ fn depths() -> Vec<f32> {
 
 fn predicted(packing: Packing, depths: &[f32]) -> Predicted {
     let through = |z: f32| {
-        let stored = packing.pack(z).map(|x| UnormStore::HalfEven.code(x, 255));
-        f64::from(packing.unpack(stored.map(|k| UnormLoad::Reciprocal.value(k, 255))))
+        let stored =
+            packing.pack_in(Folded::enter(z)).map(|c| UnormStore::HalfEven.code(c.leave(), 255));
+        let sampled = stored.map(|k| Folded::enter(UnormLoad::Reciprocal.value(k, 255)));
+        f64::from(packing.unpack_in(sampled).leave())
     };
     let error = |z: &f32| (through(*z) - f64::from(*z)).abs();
-    Predicted { max_error: depths.iter().map(error).fold(0.0, f64::max), one: through(1.0) }
+    Predicted {
+        on: "webgl-swiftshader".into(),
+        precision: "highp",
+        max_error: depths.iter().map(error).fold(0.0, f64::max),
+        one: through(1.0),
+        overflows: false,
+    }
 }
 
-/// The panel of three pairs.
+/// The panel.
 pub(crate) fn panel() -> GpuPanel {
     let depths = depths();
-    let pair = |(packing, glsl): (Packing, &str)| ShaderPair {
+    let pairs = Packing::with_source().map(|(packing, source)| ShaderPair {
         name: packing.name().into(),
-        glsl: glsl.into(),
-        highp: Some(predicted(packing, &depths)),
-        mediump: None,
-    };
-    let pairs = [(Packing::R8, R8), (Packing::Book, BOOK), (Packing::Aras2009, ARAS)];
+        glsl: source.glsl.into(),
+        wgsl: source.wgsl.into(),
+        predicted: vec![predicted(packing, &depths)],
+    });
     GpuPanel {
         id: "gpu".into(),
         title: "Measure this GPU".into(),
         caption: "Runs the packings on your own device.".into(),
-        pairs: pairs.map(pair).to_vec(),
+        pairs: pairs.collect(),
         depths,
+        devices: vec![],
     }
 }

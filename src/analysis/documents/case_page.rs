@@ -13,8 +13,8 @@ use crate::report::{
 const FALSE_SHADOW: Colour = Colour::Vermilion;
 const FALSE_LIGHT: Colour = Colour::Blue;
 
-/// The case's section, folded.
-pub(super) fn section(measured: &Measured<'_>, step: u32) -> Section {
+/// The case's section, folded; `compared` are its variants.
+pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: u32) -> Section {
     let m = &measured.measurement;
     let observer = &measured.observer;
     let mut section =
@@ -27,7 +27,7 @@ pub(super) fn section(measured: &Measured<'_>, step: u32) -> Section {
         shaded.into(),
         shade::map(observer).into(),
     ]));
-    section.push(explore::explorer(measured, step));
+    section.push(explore::explorer(measured, compared, step));
     section.push(curve(measured));
     section.push(numbers(m));
     section.push(causes(m));

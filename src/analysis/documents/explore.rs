@@ -11,7 +11,7 @@ use crate::scene::CompareRule;
 use crate::shadow;
 
 /// Rungs and fields travel for at most so many samples a side.
-const DETAIL_SIDE: u32 = 100;
+const DETAIL_SIDE: u32 = 200;
 const LIT: u8 = 0;
 const SHADOWED: u8 = 1;
 const FIRST_ARTIFACT: u8 = 2;
@@ -19,8 +19,8 @@ const NOT_COUNTED: u8 = 7;
 const AMBIGUOUS: u8 = 8;
 const BACKGROUND: u8 = 9;
 
-/// The case at every constant bias.
-pub(super) fn explorer(measured: &Measured<'_>, step: u32) -> Explorer {
+/// The case at every constant bias, and its variants beside it.
+pub(super) fn explorer(measured: &Measured<'_>, compared: &[Measured<'_>], step: u32) -> Explorer {
     let case = measured.observer.case();
     let [width, height] = case.canvas.map(|side| side.div_ceil(step));
     let m = &measured.measurement;
@@ -31,7 +31,10 @@ pub(super) fn explorer(measured: &Measured<'_>, step: u32) -> Explorer {
     let mut explorer = Explorer {
         id: format!("{}-explorer", m.name),
         title: format!("Drag the bias of {}", m.name),
-        caption: "Exact at every f32 bias; arrow keys inspect a receiver".to_string(),
+        caption:
+            "Exact at every f32 bias; click or use the arrow keys on the picture to inspect a \
+                  receiver."
+                .to_string(),
         width,
         height,
         step,
@@ -46,7 +49,10 @@ pub(super) fn explorer(measured: &Measured<'_>, step: u32) -> Explorer {
         classes: classes(),
         views: vec![],
     };
-    explorer.views = vec![view(measured, &explorer)];
+    let shown = std::iter::once(measured).chain(compared);
+    explorer.views = shown.map(|measured| view(measured, &explorer)).collect();
+    // Variants have no name that `explain` knows.
+    explorer.views.iter_mut().skip(1).for_each(|view| view.command.clear());
     explorer
 }
 
@@ -183,23 +189,29 @@ fn rung_breakpoint(rule: CompareRule, rung: Rung, o: Option<&Observation>) -> f3
 }
 
 fn fields(grid: &[Option<&Observation>]) -> Vec<Field> {
-    let field = |name: &str, unit: &str, value: &dyn Fn(&Observation) -> f64| Field {
+    let measured = |value: &dyn Fn(&Observation) -> f64| -> Vec<f32> {
+        grid.iter().map(|o| o.map_or(f32::NAN, |o| value(o) as f32)).collect()
+    };
+    let whole = |value: &dyn Fn(&Observation) -> u32| {
+        let values = grid.iter().map(|o| o.map_or(-1, |o| value(o).cast_signed()));
+        Values::Integers(values.collect())
+    };
+    let field = |name: &str, unit: &str, values| Field {
         name: name.to_string(),
         unit: unit.to_string(),
-        values: Values::Numbers(
-            grid.iter().map(|o| o.map_or(f32::NAN, |o| value(o) as f32)).collect(),
-        ),
+        values,
     };
-    let stored = |o: &Observation| o.stored[Rung::Filter as usize];
     let depth = "window depth";
+    let stored = |o: &Observation| o.stored[Rung::Filter as usize];
+    let world = |value: &dyn Fn(&Observation) -> f64| Values::Rounded(measured(value));
     vec![
-        field("receiver depth", depth, &|o| f64::from(o.coord[2])),
-        field("stored depth", depth, &stored),
-        field("margin", depth, &|o| f64::from(o.coord[2]) - stored(o)),
-        field("texel", "", &|o| f64::from(o.texel)),
-        field("triangle", "", &|o| f64::from(o.receiver.triangle)),
-        field("world x", "", &|o| o.receiver.position.x),
-        field("world y", "", &|o| o.receiver.position.y),
-        field("world z", "", &|o| o.receiver.position.z),
+        field("receiver depth", depth, Values::Numbers(measured(&|o| f64::from(o.coord[2])))),
+        field("stored depth", depth, Values::Numbers(measured(&stored))),
+        field("margin", depth, Values::Difference(0, 1)),
+        field("texel", "", whole(&|o| o.texel)),
+        field("triangle", "", whole(&|o| o.receiver.triangle)),
+        field("world x", "", world(&|o| o.receiver.position.x)),
+        field("world y", "", world(&|o| o.receiver.position.y)),
+        field("world z", "", world(&|o| o.receiver.position.z)),
     ]
 }

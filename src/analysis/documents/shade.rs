@@ -158,7 +158,11 @@ pub(super) fn map(observer: &Observer<'_>) -> Picture {
             "Shadow map as decoded: {} (dark) to {} (light) window depth{}",
             pretty(f64::from(near), 4),
             pretty(f64::from(far), 4),
-            if stride > 1 { format!(", every {stride}th texel") } else { String::new() }
+            if stride > 1 {
+                format!(", one texel in {stride} across and down")
+            } else {
+                String::new()
+            }
         ),
         alt: format!("{}: the shadow map", observer.case().name),
         width: side,

@@ -225,7 +225,7 @@ class Pane {
     owner.about.classes.forEach((_, i) => { this.rows[i].textContent = tally.classes[i].toLocaleString("en"); });
     const taps = view.taps > 1 ? `; wrong taps ${tally.false_shadow[1]} and ${tally.false_light[1]}, ${view.taps} a sample` : "";
     this.sum.textContent = `false shadow ${tally.false_shadow[0]} (${share(tally.false_shadow[0], lit.length)} of the lit), false light ${tally.false_light[0]} (${share(tally.false_light[0], shadowed.length)} of the shadowed)${taps}`;
-    const every = view.every > 1 ? ` (every ${view.every}th sample across and down)` : "";
+    const every = view.every > 1 ? ` (of one sample in ${view.every} across and down)` : "";
     this.causes.replaceChildren(...(causes.length ? ["by cause", every, ": "] : []), ...causes.flatMap((n, i) => [this.swatch(view.causes[i][1]), `${view.causes[i][0]} ${n} `]));
     this.canvas.setAttribute("aria-label", `${view.name} at ${short(owner.value)}: ${this.sum.textContent}`);
   }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::report::blob::{Blob, Slice};
-use crate::report::explorer::{Detail, Explorer, Values, View};
-use crate::report::gpu::{GpuPanel, Predicted};
+use crate::report::explorer::{Detail, Explorer, Field, Values, View};
+use crate::report::gpu::{GpuPanel, KnownDevice, Predicted};
 use crate::report::palette::Colour;
 
 #[derive(Serialize)]
@@ -40,8 +40,15 @@ struct ViewView<'a> {
     late: Slice,
     every: u32,
     causes: Vec<(&'a str, [u8; 3])>,
-    rungs: Vec<Slice>,
+    rungs: Vec<RungView>,
     fields: Vec<FieldView<'a>>,
+}
+
+/// Distinct breakpoints in ascending order, and each grid sample's place among them.
+#[derive(Serialize)]
+struct RungView {
+    sorted: Slice,
+    ranks: Slice,
 }
 
 #[derive(Serialize)]
@@ -49,7 +56,11 @@ struct FieldView<'a> {
     name: &'a str,
     unit: &'a str,
     names: &'a [String],
-    values: Slice,
+    /// Lowest value and step of values that are rounded to steps of their range.
+    steps: Option<[f64; 2]>,
+    /// The two fields whose difference this one is.
+    difference: Option<[usize; 2]>,
+    values: Option<Slice>,
 }
 
 /// The description as JSON and the arrays as text, both safe inside a `script` element.
@@ -69,7 +80,11 @@ pub(in crate::report) fn pack(explorer: &Explorer) -> (String, String) {
             marks: &slider.marks,
         },
         classes: explorer.classes.iter().map(|c| (c.name.as_str(), c.colour.rgb())).collect(),
-        views: explorer.views.iter().map(|view| pack_view(view, &mut blob)).collect(),
+        views: explorer
+            .views
+            .iter()
+            .map(|view| pack_view(view, explorer.grid(view), &mut blob))
+            .collect(),
     };
     (in_script(&description), blob.to_text())
 }
@@ -83,14 +98,15 @@ fn in_script(value: &impl Serialize) -> String {
 struct PanelDescription<'a> {
     depths: Slice,
     pairs: Vec<PairView<'a>>,
+    devices: &'a [KnownDevice],
 }
 
 #[derive(Serialize)]
 struct PairView<'a> {
     name: &'a str,
     glsl: &'a str,
-    highp: Option<Predicted>,
-    mediump: Option<Predicted>,
+    wgsl: &'a str,
+    predicted: &'a [Predicted],
 }
 
 /// A panel's description and its depths.
@@ -100,14 +116,18 @@ pub(in crate::report) fn pack_panel(panel: &GpuPanel) -> (String, String) {
     let pairs = panel.pairs.iter().map(|pair| PairView {
         name: &pair.name,
         glsl: &pair.glsl,
-        highp: pair.highp,
-        mediump: pair.mediump,
+        wgsl: &pair.wgsl,
+        predicted: &pair.predicted,
     });
     let pairs = pairs.collect();
-    (in_script(&PanelDescription { depths, pairs }), blob.to_text())
+    (in_script(&PanelDescription { depths, pairs, devices: &panel.devices }), blob.to_text())
 }
 
-fn pack_view<'a>(view: &'a View, blob: &mut Blob) -> ViewView<'a> {
+fn pack_view<'a>(
+    view: &'a View,
+    grid: impl Iterator<Item = (usize, usize)>,
+    blob: &mut Blob,
+) -> ViewView<'a> {
     let codes = &view.codes;
     ViewView {
         name: &view.name,
@@ -121,12 +141,7 @@ fn pack_view<'a>(view: &'a View, blob: &mut Blob) -> ViewView<'a> {
         late: blob.floats(codes.iter().map(|c| c.late)),
         every: view.detail.every.max(1),
         causes: causes(&view.detail),
-        rungs: view
-            .detail
-            .rungs
-            .iter()
-            .map(|r| blob.floats(r.breakpoints.iter().copied()))
-            .collect(),
+        rungs: view.rung_limits(grid).iter().map(|limits| ranked(limits, blob)).collect(),
         fields: fields(&view.detail, blob),
     }
 }
@@ -139,14 +154,67 @@ fn causes(detail: &Detail) -> Vec<(&str, [u8; 3])> {
     detail.rungs.iter().map(|r| (r.name.as_str(), r.colour.rgb())).chain([last]).collect()
 }
 
+/// A rung of at most 2¹⁶ samples (200 a side, as a rule) by ranks: the page compares integers.
+fn ranked(limits: &[f32], blob: &mut Blob) -> RungView {
+    let mut sorted = limits.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    sorted.dedup();
+    let rank = |limit: &f32| {
+        let place = sorted.partition_point(|s| s < limit);
+        u16::try_from(place).expect("a detail grid has at most 65536 samples")
+    };
+    let ranks = blob.ranks(limits.iter().map(rank));
+    RungView { sorted: blob.floats(sorted.into_iter()), ranks }
+}
+
 fn fields<'a>(detail: &'a Detail, blob: &mut Blob) -> Vec<FieldView<'a>> {
-    let pack = |field: &'a crate::report::explorer::Field| {
-        let (values, names): (Slice, &[String]) = match &field.values {
-            Values::Numbers(values) => (blob.floats(values.iter().copied()), &[]),
-            Values::Integers(values) => (blob.integers(values), &[]),
-            Values::Names(codes, names) => (blob.bytes(codes.iter().copied()), names),
+    let pack = |field: &'a Field| {
+        let mut view = FieldView {
+            name: &field.name,
+            unit: &field.unit,
+            names: &[],
+            steps: None,
+            difference: None,
+            values: None,
         };
-        FieldView { name: &field.name, unit: &field.unit, names, values }
+        view.values = match &field.values {
+            Values::Numbers(values) => Some(blob.floats(values.iter().copied())),
+            Values::Integers(values) => Some(blob.integers(values)),
+            Values::Names(codes, names) => {
+                view.names = names;
+                Some(blob.bytes(codes.iter().copied()))
+            }
+            Values::Rounded(values) => {
+                let (low, step) = range(values);
+                view.steps = Some([low, step]);
+                Some(blob.ranks(values.iter().map(|v| steps_above(*v, low, step))))
+            }
+            Values::Difference(a, b) => {
+                view.difference = Some([*a, *b]);
+                None
+            }
+        };
+        view
     };
     detail.fields.iter().map(pack).collect()
+}
+
+/// How many steps a range is rounded to; one more code means a missing value.
+const STEPS: u16 = u16::MAX - 1;
+
+/// The lowest value, and a step of which [`STEPS`] reach the highest.
+fn range(values: &[f32]) -> (f64, f64) {
+    let finite = || values.iter().filter(|v| v.is_finite()).map(|v| f64::from(*v));
+    let low = finite().fold(f64::INFINITY, f64::min);
+    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    if high > low { (low, (high - low) / f64::from(STEPS)) } else { (low.min(f64::MAX), 0.0) }
+}
+
+fn steps_above(value: f32, low: f64, step: f64) -> u16 {
+    let steps = (f64::from(value) - low) / step;
+    match (value.is_finite(), steps.is_finite()) {
+        (false, _) => u16::MAX,
+        (true, false) => 0,
+        (true, true) => (steps.round_ties_even() as u16).min(STEPS),
+    }
 }

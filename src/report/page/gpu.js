@@ -13,14 +13,22 @@ class Gpu {
     this.gl = canvas.getContext("webgl2", { antialias: false, depth: true });
     if (!this.gl) throw new Error("this browser has no WebGL2");
     this.gl.disable(this.gl.DITHER);
+    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.gl.createBuffer());
+    this.gl.bufferData(this.gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), this.gl.STATIC_DRAW);
+    this.gl.enableVertexAttribArray(0);
+    this.gl.vertexAttribPointer(0, 2, this.gl.FLOAT, false, 0, 0);
   }
 
   // A program whose fragment shader has the given default precision of floats and samplers.
   program(precision, body, vertex = "gl_Position = vec4(corner, 0.0, 1.0);") {
-    const { gl } = this, program = gl.createProgram();
     const corners = "highp vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);";
-    const sources = [[gl.VERTEX_SHADER, `#version 300 es\nprecision highp float;\nuniform vec4 p;\nvoid main() { ${corners} ${vertex} }`],
-      [gl.FRAGMENT_SHADER, `#version 300 es\nprecision ${precision} float;\nprecision highp int;\nprecision ${precision} sampler2D;\nuniform highp vec4 p;\nuniform highp sampler2D values;\nuniform sampler2D map;\n${body}`]];
+    return this.link(`#version 300 es\nprecision highp float;\nuniform vec4 p;\nvoid main() { ${corners} ${vertex} }`,
+      `#version 300 es\nprecision ${precision} float;\nprecision highp int;\nprecision ${precision} sampler2D;\nuniform highp vec4 p;\nuniform highp sampler2D values;\nuniform sampler2D map;\n${body}`);
+  }
+
+  link(vertex, fragment) {
+    const { gl } = this, program = gl.createProgram(), sources = [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]];
+    gl.bindAttribLocation(program, 0, "corner");
     for (const [type, source] of sources) {
       const shader = gl.createShader(type);
       gl.shaderSource(shader, source);
@@ -31,6 +39,12 @@ class Gpu {
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
     return program;
+  }
+
+  // The same pair under GLSL ES 1.00, which WebGL2 runs too: without vertex ids, integers and fetches.
+  program100(precision, body) {
+    const fragment = `precision ${precision} float;\nuniform highp vec4 p;\nuniform highp sampler2D values;\nuniform ${precision} sampler2D map;\n${body}`;
+    return this.link(`attribute vec2 corner;\nvoid main() { gl_Position = vec4(corner, 0.0, 1.0); }`, fragment);
   }
 
   texture(internal, width, height, format, type, data = null) {
@@ -101,17 +115,33 @@ class Gpu {
   }
 }
 
-// Pack, store, sample, unpack: errors over all depths and what 1.0 gives.
-function measurePair(gpu, pair, precision, depths) {
-  const values = gpu.floats([...depths, 1]), { target } = gpu.store(precision, pair.glsl, values);
-  const data = gpu.read(precision, "highp float z = unpack(texelFetch(map, at, 0)); result.x = floatBitsToUint(z);", target, { map: target }, pair.glsl);
+// Errors over all depths and what 1.0 gives, from what came back for the depths and 1.0 behind them.
+function errorsOf(back, depths) {
   let worst = 0, at = 0, squares = 0;
   depths.forEach((depth, i) => {
-    const error = Math.abs(floatOf(data[4 * i]) - depth), size = Number.isNaN(error) ? Infinity : error;
+    const error = Math.abs(back[i] - depth), size = Number.isNaN(error) ? Infinity : error;
     squares += size * size;
     if (size > worst) [worst, at] = [size, depth];
   });
-  return { name: pair.name, precision, max_error: worst, at, rms: Math.sqrt(squares / depths.length), one: floatOf(data[4 * depths.length]) };
+  return { max_error: worst, at, rms: Math.sqrt(squares / depths.length), one: back[depths.length] };
+}
+
+// Pack, store, sample, unpack in one precision.
+function measurePair(gpu, pair, precision, depths) {
+  const values = gpu.floats([...depths, 1]), { target, bytes } = gpu.store(precision, pair.glsl, values);
+  const data = gpu.read(precision, "highp float z = unpack(texelFetch(map, at, 0)); result.x = floatBitsToUint(z);", target, { map: target }, pair.glsl);
+  const back = Array.from({ length: depths.length + 1 }, (_, i) => floatOf(data[4 * i]));
+  return { name: pair.name, api: "WebGL2", precision, ...errorsOf(back, depths), es100_bytes_differing: differing100(gpu, pair, precision, values, bytes) };
+}
+
+// Bytes that GLSL ES 1.00 stores otherwise than 3.00.
+function differing100(gpu, pair, precision, values, bytes) {
+  const size = `vec2(${values.width}.0, ${values.height}.0)`;
+  const body = `${pair.glsl}\nvoid main() { highp float z = texture2D(values, gl_FragCoord.xy / ${size}).r; gl_FragColor = pack(z); }`;
+  const target = gpu.bytes(values.width, values.height), own = new Uint8Array(bytes.length), { gl } = gpu;
+  gpu.draw(gpu.program100(precision, body), { colour: target, values });
+  gl.readPixels(0, 0, values.width, values.height, gl.RGBA, gl.UNSIGNED_BYTE, own);
+  return own.filter((byte, i) => byte !== bytes[i]).length;
 }
 
 // The first rule that explains every stored byte; "unknown" with the mismatches of each otherwise.
@@ -132,6 +162,15 @@ function loadRule(gpu) {
   const read = gpu.read("highp", "result.x = floatBitsToUint(texelFetch(map, at, 0).r);", map, { map });
   const rules = { divide: (k) => f32(k / 255), reciprocal: (k) => f32(k * f32(1 / 255)) };
   return fitting(rules, Array.from({ length: 256 }, (_, k) => k), (i) => floatOf(read[4 * i]));
+}
+
+// NEAREST look-ups just above the boundaries of 257 texels: a coordinate in 16 bits falls below most.
+function nearestRule(gpu) {
+  const wide = 257, data = Uint8Array.from({ length: 4 * wide }, (_, i) => [i >> 2 & 255, i >> 10, 0, 0][i & 3]);
+  const inputs = Array.from({ length: wide }, (_, k) => f32(k / wide + 2 ** -20)), map = gpu.bytes(wide, 1, data), values = gpu.floats(inputs);
+  const read = gpu.read("highp", "highp vec2 c = texture(map, vec2(texelFetch(values, at, 0).r, 0.5)).rg * 255.0; result.x = uint(c.r + 0.5) + 256u * uint(c.g + 0.5);", values, { map, values });
+  const texel = (u) => Math.floor(f32(u * wide)), rules = { float: texel, fixed16: (u) => texel(Math.floor(u * 65536) / 65536) };
+  return fitting(rules, inputs, (i) => read[4 * i]);
 }
 
 function fitting(rules, inputs, measured) {
@@ -159,7 +198,12 @@ function depthFormat(gpu, internal, depths) {
   const write = gpu.program("highp", "void main() { gl_FragDepth = texelFetch(values, ivec2(gl_FragCoord.xy), 0).r; }");
   gpu.draw(write, { depth, values });
   const data = gpu.read("highp", "result.x = floatBitsToUint(texelFetch(map, at, 0).r);", values, { map: depth });
-  const errors = depths.map((d, i) => Math.abs(floatOf(data[4 * i]) - d)), worst = errors.reduce((a, b) => Math.max(a, b), 0);
+  return keeps(depths, depths.map((_, i) => floatOf(data[4 * i])));
+}
+
+// Which format a depth texture has, from its largest error.
+function keeps(depths, back) {
+  const worst = depths.reduce((most, d, i) => Math.max(most, Math.abs(back[i] - d)), 0);
   // Denormals may be flushed on the way; a fixed-point grid is far coarser.
   const kind = worst < 2 ** -100 ? "f32" : worst < 2 ** -23 ? "unorm24" : worst < 2 ** -15 ? "unorm16" : "unknown";
   return { kind, max_error: worst };
@@ -199,7 +243,6 @@ function environment(gl) {
     version: gl.getParameter(gl.VERSION),
     subpixel_bits: gl.getParameter(gl.SUBPIXEL_BITS),
     default_depth_bits: gl.getParameter(gl.DEPTH_BITS),
-    webgpu: "gpu" in navigator,
   };
 }
 
@@ -209,13 +252,13 @@ function measureGpu(panel, depths) {
   const pairs = panel.pairs.flatMap((pair) => ["highp", "mediump"].map((precision) => measurePair(gpu, pair, precision, depths)));
   const formats = { unorm16: gl.DEPTH_COMPONENT16, unorm24: gl.DEPTH_COMPONENT24, f32: gl.DEPTH_COMPONENT32F };
   const each = (probe) => Object.fromEntries(Object.entries(formats).map(([name, internal]) => [name, probe(internal)]));
-  const store = storeRule(gpu), load = loadRule(gpu), depth = each((internal) => depthFormat(gpu, internal, depths));
+  const store = storeRule(gpu), load = loadRule(gpu), nearest = nearestRule(gpu), depth = each((internal) => depthFormat(gpu, internal, depths));
   const offset = each((internal) => polygonOffset(gpu, internal));
   const device = {
-    subpixel_bits: facts.subpixel_bits, store: store.rule, load: load.rule, depth24: depth.unorm24.kind,
+    subpixel_bits: facts.subpixel_bits, store: store.rule, load: load.rule, depth24: depth.unorm24.kind, nearest: nearest.rule,
     ...arithmetic(gpu), clamp_frag_z: clampsFragZ(gpu), slope_norm: offset.f32.slope_over_gradient > 1.2 ? "euclid" : "max",
   };
   const error = gl.getError();
   if (error) throw new Error(`WebGL error ${error}`);
-  return { schema: "gnomon-device-1", ...facts, device, mediump: mediump(gpu), store, load, depth, polygon_offset: offset, packings: pairs };
+  return { schema: "gnomon-device-1", ...facts, device, mediump: mediump(gpu), store, load, nearest, depth, polygon_offset: offset, packings: pairs };
 }

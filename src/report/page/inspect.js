@@ -134,12 +134,20 @@ class Inspector {
     const lines = [["pixel", `${px}, ${py}`], ["truth", truth], ["class", about.classes[classOf(view, s, value)][0]]];
     if (view.truth[s] !== APART) {
       const taps = Array.from(view.breakpoints.subarray(s * view.taps, (s + 1) * view.taps), short);
-      lines.push([view.taps > 1 ? "lit from, each tap" : "lit from", taps.join(" ")]);
+      const alike = view.taps > 1 && new Set(taps).size === 1;
+      lines.push([view.taps > 1 ? "lit from, each tap" : "lit from", alike ? `${taps[0]}, all ${view.taps}` : taps.join(" ")]);
       if (view.taps > 1) lines.push(["wrong taps", `${wrong} of ${view.taps}`]);
     }
     lines.push(...this.measured(view, x, y));
     if (view.command) lines.push(["explain", make("code", {}, view.command.replace("{x}", px).replace("{y}", py))]);
     return lines;
+  }
+
+  shown(view, field, index) {
+    const value = fieldValue(view, field, index);
+    if (field.names.length) return field.names[value] ?? "–";
+    if (Number.isNaN(value)) return "–";
+    return field.steps ? value.toFixed(Math.max(0, Math.ceil(-Math.log10(field.steps[1] || 1)))) : short(value);
   }
 
   // Detail of the nearest grid sample up and left.
@@ -150,12 +158,12 @@ class Inspector {
     const index = gy * grid.across + gx, lines = [];
     if (view.every > 1) lines.push(["measured at", this.pixel(gx * view.every, gy * view.every).join(", ")]);
     if (view.rungs.length) {
-      const cause = causeOf(view, index, grid.sample(gx, gy), value);
+      const cause = causeOf(view, index, grid.sample(gx, gy), value, reached(view, value));
       lines.push(["cause", cause < 0 ? "none: the verdict is right" : view.causes[cause][0]]);
     }
-    for (const { name, unit, names, values } of view.fields) {
-      const shown = names.length ? names[values[index]] ?? "–" : Number.isNaN(values[index]) ? "–" : short(values[index]);
-      lines.push([name, unit && shown !== "–" ? `${shown} ${unit}` : shown]);
+    for (const field of view.fields) {
+      const shown = this.shown(view, field, index);
+      lines.push([field.name, field.unit && shown !== "–" ? `${shown} ${field.unit}` : shown]);
     }
     return lines;
   }

@@ -7,9 +7,16 @@ function decodeView(view, bytes) {
   const array = (slice) => unplane(bytes, slice);
   const decoded = { ...view };
   for (const name of ["breakpoints", "truth", "shadowed", "lit", "lit_late", "late"]) decoded[name] = array(view[name]);
-  decoded.rungs = view.rungs.map(array);
-  decoded.fields = view.fields.map((field) => ({ ...field, values: array(field.values) }));
+  decoded.rungs = view.rungs.map(({ sorted, ranks }) => ({ sorted: array(sorted), ranks: array(ranks) }));
+  decoded.fields = view.fields.map((field) => ({ ...field, values: field.values && array(field.values) }));
   return decide(decoded);
+}
+
+// The value of a field at a grid sample: stored, rounded to steps of its range, or a difference of two.
+function fieldValue(view, { values, steps, difference }, grid) {
+  if (difference) return fieldValue(view, view.fields[difference[0]], grid) - fieldValue(view, view.fields[difference[1]], grid);
+  if (!steps) return values[grid];
+  return values[grid] === 65535 ? NaN : steps[0] + steps[1] * values[grid];
 }
 
 // A truly lit sample is wrong below its largest breakpoint, a shadowed one from its smallest on.
@@ -54,12 +61,15 @@ function rightClass(view, s, value) {
   return view.truth[s] === LIT ? view.lit[at] : view.shadowed[at];
 }
 
+// How many of each rung's sorted breakpoints `value` reaches: ranks below that are lit.
+const reached = (view, value) => view.rungs.map(({ sorted }) => atMost(sorted, value));
+
 // The index of the first rung from which a wrong sample stays wrong to the end; -1 where right.
-function causeOf(view, grid, s, value) {
+function causeOf(view, grid, s, value, levels) {
   if (wrongTaps(view, s, value) === 0) return -1;
   const lit = view.truth[s] === LIT;
   let cause = view.rungs.length;
-  while (cause > 0 && (value >= view.rungs[cause - 1][grid]) !== lit) cause--;
+  while (cause > 0 && (view.rungs[cause - 1].ranks[grid] < levels[cause - 1]) !== lit) cause--;
   return cause;
 }
 
@@ -90,10 +100,10 @@ function gridOf(view, width, height) {
 
 function surveyCauses(view, width, height, value, visit) {
   if (view.rungs.length === 0) return [];
-  const counts = new Array(view.rungs.length + 1).fill(0), grid = gridOf(view, width, height);
+  const counts = new Array(view.rungs.length + 1).fill(0), grid = gridOf(view, width, height), levels = reached(view, value);
   for (let y = 0; y < grid.down; y++) {
     for (let x = 0; x < grid.across; x++) {
-      const cause = causeOf(view, y * grid.across + x, grid.sample(x, y), value);
+      const cause = causeOf(view, y * grid.across + x, grid.sample(x, y), value, levels);
       if (cause >= 0) counts[cause]++;
       if (visit) visit(x, y, cause);
     }

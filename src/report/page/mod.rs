@@ -25,7 +25,8 @@ const SCRIPT: &str = include_str!("page.js");
 const PARTS: &str = include_str!("parts.js");
 const EXPLORER: [&str; 3] =
     [include_str!("judge.js"), include_str!("inspect.js"), include_str!("explorer.js")];
-const GPU: [&str; 2] = [include_str!("gpu.js"), include_str!("panel.js")];
+const GPU: [&str; 3] =
+    [include_str!("gpu.js"), include_str!("webgpu.js"), include_str!("panel.js")];
 
 /// The page of `report`; `files` are the names of what lies beside it.
 pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &[&str]) -> String {

@@ -16,18 +16,23 @@ class Panel {
   }
 
   async run() {
+    this.button.disabled = true;
     try {
       const bytes = await inflate(this.figure.querySelector("script.blob").textContent);
-      this.result = measureGpu(this.about, [...unplane(bytes, this.about.depths)]);
+      const depths = [...unplane(bytes, this.about.depths)];
+      this.result = measureGpu(this.about, depths);
+      this.result.webgpu = await measureWebGpu(this.about, depths);
       this.show(this.result);
     } catch (error) {
       this.said.textContent = `Not measured: ${error.message}. The rest of the page does not need it.`;
     }
+    this.button.disabled = false;
     this.figure.dataset.done = "true";
   }
 
   show(result) {
-    this.said.textContent = `Measured on ${result.renderer}.`;
+    const { absent, adapter } = result.webgpu;
+    this.said.textContent = `Measured on ${result.renderer}. ${absent ?? `WebGPU: ${adapter || "an unnamed adapter"}.`}`;
     const json = JSON.stringify(result, null, 1), copy = make("button", { type: "button", className: "copy" }, "copy JSON");
     copy.addEventListener("click", async () => { await copyText(json); copy.textContent = "copied"; });
     const code = make("pre", { tabIndex: 0 }, make("code", {}, json));
@@ -36,23 +41,35 @@ class Panel {
     this.stage.replaceChildren(this.button, this.said, this.pairs(result), this.facts(result), copy, raw);
   }
 
-  pairs({ packings }) {
-    const head = ["packing", "precision", "largest error", "predicted", "1.0 gives", "predicted", "rms error"];
-    const rows = packings.map((pair) => {
-      const predicted = this.about.pairs.find(({ name }) => name === pair.name)[pair.precision];
-      const show = (name) => predicted ? plain(predicted[name]) : "–";
-      return [pair.name, pair.precision, plain(pair.max_error), show("max_error"), plain(pair.one), show("one"), plain(pair.rms)];
-    });
-    return this.table("Packings on this device", head, rows);
+  // A prediction that the measurement meets in every bit is marked.
+  predicted(pair, name) {
+    const all = this.about.pairs.find((about) => about.name === pair.name).predicted.filter(({ precision }) => precision === pair.precision);
+    const shown = all.map((each) => `${pair[name] === each[name] ? "= " : ""}${plain(each[name] ?? Infinity)} ${each.on}${each.overflows ? " (overflows)" : ""}`);
+    return shown.join("; ");
   }
 
-  facts({ device, mediump, depth, polygon_offset, store }) {
-    const rows = Object.entries(device).map(([name, value]) => [name.replaceAll("_", " "), plain(value)]);
-    rows.push(["mediump fraction bits (10 on true half floats)", plain(mediump.fraction_bits)], ["mediump overflows at 65536", String(mediump.overflows_at_65536)]);
-    rows.push(["store: samples tried", plain(store.samples)]);
-    for (const [name, { kind, max_error }] of Object.entries(depth)) rows.push([`${name} depth texture keeps`, `${kind}, largest error ${plain(max_error)}`]);
-    for (const [name, { r, one_unit }] of Object.entries(polygon_offset)) rows.push([`polygon offset r at 0.625, ${name}`, `${plain(r)}; one unit gives ${plain(one_unit)}`]);
-    return this.table("This device", ["fact", "measured"], rows);
+  pairs({ packings, webgpu }) {
+    const head = ["packing", "run", "largest error", "predicted", "1.0 gives", "predicted", "rms error"];
+    const rows = [...packings, ...webgpu.packings ?? []].map((pair) => [pair.name, `${pair.api} ${pair.precision}`, plain(pair.max_error),
+      this.predicted(pair, "max_error"), plain(pair.one), this.predicted(pair, "one"), plain(pair.rms)]);
+    return this.table("Packings on this device [window depth]", head, rows);
+  }
+
+  // Each fact beside what the known devices do; a fact that none of them has stands alone.
+  facts({ device, mediump, depth, polygon_offset, webgpu, packings }) {
+    const facts = { ...device };
+    for (const [name, { kind }] of Object.entries(depth)) facts[`${name}_keeps`] = kind;
+    for (const [name, { r, one_unit }] of Object.entries(polygon_offset)) Object.assign(facts, { [`${name}_r`]: r, [`${name}_one_unit`]: one_unit });
+    for (const [name, { kind }] of Object.entries(webgpu.depth ?? {})) facts[`webgpu ${name} keeps`] = kind;
+    facts["mediump fraction bits (10 on half floats)"] = mediump.fraction_bits;
+    facts["mediump overflows at 65536"] = mediump.overflows_at_65536;
+    facts["bytes stored otherwise by GLSL ES 1.00"] = packings.reduce((sum, pair) => sum + pair.es100_bytes_differing, 0);
+    const text = (value) => value === undefined ? "–" : plain(value), { devices } = this.about;
+    const rows = Object.entries(facts).map(([name, value]) => [name.replaceAll("_", " "), text(value), ...devices.map((known) => {
+      const other = text(known.facts[name]);
+      return other === text(value) ? `= ${other}` : other;
+    })]);
+    return this.table("This device", ["fact", "measured", ...devices.map(({ name }) => name)], rows);
   }
 
   table(caption, head, rows) {

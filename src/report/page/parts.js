@@ -15,13 +15,14 @@ async function inflate(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Bytes of equal weight stand together; put them side by side again.
+// Bytes of equal weight stand together, as differences between neighbours; add them up again.
 function unplane(bytes, { kind, offset, length }) {
   if (kind === "u8") return bytes.subarray(offset, offset + length);
-  const merged = new Uint8Array(4 * length);
-  for (let plane = 0; plane < 4; plane++) {
-    const from = offset + plane * length;
-    for (let i = 0; i < length; i++) merged[4 * i + plane] = bytes[from + i];
+  const wide = kind !== "u16", values = wide ? new Int32Array(length) : new Uint16Array(length);
+  const [a, b, c, d] = [0, 1, 2, 3].map((plane) => offset + plane * length);
+  for (let i = 0, sum = 0; i < length; i++) {
+    sum = sum + (bytes[a + i] | bytes[b + i] << 8 | (wide ? bytes[c + i] << 16 | bytes[d + i] << 24 : 0)) | 0;
+    values[i] = sum;
   }
-  return kind === "f32" ? new Float32Array(merged.buffer) : new Int32Array(merged.buffer);
+  return kind === "f32" ? new Float32Array(values.buffer) : values;
 }
