@@ -25,7 +25,7 @@
 //! | L4 | [`shadow`] (the subject's map, look-ups, biases), [`truth`] (f64, exact signs): they share inputs, never code |
 //! | L5 | [`raster`] (coverage, planes, passes) |
 //! | L6 | [`report`], [`output`]: data and writers, they know nothing of shadows |
-//! | L7 | [`analysis`], [`conformance`] |
+//! | L7 | [`analysis`], [`conformance`], [`stress`] |
 //! | L8 | [`harness`] (what the binaries share) |
 //!
 //! ## Conventions
@@ -63,6 +63,7 @@ pub mod report;
 pub mod scene;
 pub mod shadow;
 pub mod simd;
+pub mod stress;
 pub mod truth;
 pub mod view;
 
