@@ -1,21 +1,111 @@
 //! Does the emulation write, bit for bit, what a real WebGL wrote?
-fn main() {
-    let folder = std::env::args().nth(1).unwrap_or_default();
-    let device = gnomon::device::DeviceProfile::WebglSwiftshader.device();
-    match gnomon::conformance::compare(std::path::Path::new(&folder), &device) {
-        Ok(outcome) => {
-            for e in outcome.entries {
-                println!(
-                    "{} {} compared {} differing {} missing {} {}",
-                    e.section,
-                    e.file,
-                    e.compared,
-                    e.differing,
-                    e.missing,
-                    e.first.unwrap_or_default()
-                );
-            }
+
+use clap::Parser;
+use gnomon::conformance::device_json::{self, MeasuredDevice};
+use gnomon::conformance::{self, Outcome};
+use gnomon::device::{Device, DeviceProfile};
+use gnomon::harness;
+use gnomon::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Runs the subject on every scene and section of a folder of WebGL dumps and compares each value
+/// bit by bit; turns the JSON of a report's panel "Measure this GPU" into a device profile.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    after_help = "Examples:
+  gnomon-conformance dumps/                      the emulated WebGL against its dumps
+  gnomon-conformance dumps/ --allow-missing      listed files that are not there are only reported
+  gnomon-conformance dumps/ --device ideal       where an ideal device differs
+  gnomon-conformance --device phone.json         a measured GPU beside the known profiles
+  gnomon-conformance dumps/ --device phone.json  and where it differs from the dumps
+  gnomon-conformance dumps/ --json -             everything as JSON
+Exit codes: 0 nothing differs, 1 something differs, 2 nothing to compare or a listed file is missing."
+)]
+struct Arguments {
+    /// Folder with scenes/, encodings/, depth/, raster/, filter/, arith/, unorm/, polyoffset.json
+    #[arg(required_unless_present = "device")]
+    folder: Option<PathBuf>,
+    /// Report listed files that are missing, but do not fail on them
+    #[arg(long)]
+    allow_missing: bool,
+    /// The device under test: a known profile, or a JSON file that a report's panel copied
+    #[arg(long, value_name = "PROFILE|FILE.json")]
+    device: Option<String>,
+    /// Also write the outcome as JSON here; `-` prints it instead of the table
+    #[arg(long, value_name = "PATH")]
+    json: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    harness::run(|| check(&arguments))
+}
+
+/// A known profile, or one that was measured.
+enum Subject {
+    Known(DeviceProfile),
+    Measured(Box<MeasuredDevice>),
+}
+
+impl Subject {
+    fn of(text: &str) -> Result<Self> {
+        if text.ends_with(".json") || Path::new(text).is_file() {
+            return Ok(Self::Measured(Box::new(device_json::read(Path::new(text))?)));
         }
-        Err(e) => println!("error: {e}"),
+        Ok(Self::Known(text.parse()?))
     }
+
+    fn device(&self) -> Device {
+        match self {
+            Self::Known(profile) => profile.device(),
+            Self::Measured(measured) => measured.device,
+        }
+    }
+}
+
+fn check(arguments: &Arguments) -> Result<()> {
+    let subject = Subject::of(arguments.device.as_deref().unwrap_or("webgl-swiftshader"))?;
+    let compare = |folder: &PathBuf| conformance::compare(folder, &subject.device());
+    let outcome = arguments.folder.as_ref().map(compare).transpose()?;
+    if outcome.is_none() && matches!(subject, Subject::Known(_)) {
+        let fix = "give a folder of dumps, or a JSON file as --device";
+        return Err(Error::bad_input("DIR", "is missing", fix));
+    }
+    let json = json(&subject, outcome.as_ref());
+    match &arguments.json {
+        Some(path) if path == Path::new("-") => harness::print(&format!("{json:#}\n"))?,
+        Some(path) => harness::write_json(path, &json)?,
+        None => {}
+    }
+    if arguments.json.as_deref() != Some(Path::new("-")) {
+        print(&subject, outcome.as_ref())?;
+    }
+    let place = arguments.folder.as_deref().unwrap_or(Path::new("")).display().to_string();
+    outcome.map_or(Ok(()), |outcome| outcome.verdict(&place, arguments.allow_missing))
+}
+
+fn json(subject: &Subject, outcome: Option<&Outcome>) -> serde_json::Value {
+    let entries = outcome.map(|outcome| &outcome.entries[..]).unwrap_or_default();
+    let mut json = serde_json::json!({ "schema": "gnomon-conformance-1", "entries": entries });
+    if let Subject::Measured(measured) = subject {
+        json["device"] = measured.to_json();
+    }
+    json
+}
+
+fn print(subject: &Subject, outcome: Option<&Outcome>) -> Result<()> {
+    if let Subject::Measured(measured) = subject {
+        harness::print_table(&measured.table())?;
+        harness::print(&format!("\n{}\n\n", measured.notes().join("\n")))?;
+    }
+    let Some(outcome) = outcome else { return Ok(()) };
+    harness::print_table(&outcome.table())?;
+    harness::print(&format!(
+        "\n{} values compared, {} differing, {} listed files missing\n",
+        outcome.compared(""),
+        outcome.differing(""),
+        outcome.missing()
+    ))
 }

@@ -1,11 +1,12 @@
 //! How much acne and peter-panning do the documents' systems have, and why?
 
 use clap::{Args, Parser, Subcommand};
-use gnomon::analysis::documents::{self, Options};
+use gnomon::analysis::documents::{self, Options, Which};
 use gnomon::analysis::explain::explain;
 use gnomon::analysis::observe::Observer;
 use gnomon::device::DeviceProfile;
 use gnomon::harness::{self, Common, Progress};
+use gnomon::scene::fit::UserScene;
 use gnomon::{Error, Result};
 use std::process::ExitCode;
 
@@ -18,6 +19,7 @@ use std::process::ExitCode;
   gnomon-report                                  all cases, report in reports/documents/
   gnomon-report --quick --out /tmp/quick         every 4th pixel
   gnomon-report --case upc --json -              one case, numbers on stdout
+  gnomon-report --scene model.glb --light-dir 1,-2,0.5 --map 1024 --bias 0.001
   gnomon-report --device ideal                   the same systems on correctly rounded hardware
   gnomon-report explain --case upc --pixel 200,150
 Exit codes: 0 done, 2 bad input, 4 cannot write, 130 interrupted."
@@ -26,16 +28,18 @@ struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    which: Which,
+    what: What,
     #[command(flatten)]
     common: Common,
 }
 
 #[derive(Debug, Args)]
-struct Which {
+struct What {
     /// Only this case
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
     case: Option<String>,
+    #[command(flatten)]
+    scene: UserScene,
     /// Measure on this device profile instead of each case's own
     #[arg(long, value_name = "PROFILE")]
     device: Option<DeviceProfile>,
@@ -68,17 +72,21 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     harness::run(|| match arguments.command {
         Some(Command::Explain { case, pixel, device }) => print_chain(case, pixel, device),
-        None => measure(&arguments.common, arguments.which),
+        None => measure(&arguments.common, arguments.what),
     })
 }
 
-fn measure(common: &Common, which: Which) -> Result<()> {
+fn measure(common: &Common, what: What) -> Result<()> {
     common.start()?;
     let options = Options {
         profile: common.profile(),
         seed: common.seed,
-        case: which.case,
-        device: which.device,
+        which: match (what.scene.case()?, what.case) {
+            (Some(own), _) => Which::Own(Box::new(own)),
+            (None, Some(name)) => Which::Named(name),
+            (None, None) => Which::All,
+        },
+        device: what.device,
     };
     let progress = Progress::new(options.cases()?.len(), "measuring");
     let report = documents::report(&options, || progress.step())?;
@@ -88,7 +96,8 @@ fn measure(common: &Common, which: Which) -> Result<()> {
 }
 
 fn print_chain(case: String, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {
-    let options = Options { profile: Default::default(), seed: 0, case: Some(case), device };
+    let options =
+        Options { profile: Default::default(), seed: 0, which: Which::Named(case), device };
     let case = options.cases()?.remove(0);
     let [width, height] = case.canvas;
     if x >= width || y >= height {

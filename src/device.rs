@@ -1,6 +1,9 @@
 //! Device profiles as data: what differs between implementations of one pipeline.
 
+mod fields;
+
 use crate::depth::{DepthFormat, UnormLoad, UnormStore};
+pub use fields::{FIELDS, Field};
 use glam::{Mat4, Vec4};
 
 crate::catalogue! {
@@ -43,6 +46,19 @@ crate::catalogue! {
         /// vertex' depth and the other two's *differences* from it (measured; departs from the
         /// specification and depends on the vertex order).
         Measured = "measured",
+        /// The smallest value above 0 that the format holds: 1/(2ⁿ−1) for UNORM, else as
+        /// `specification` (D3D11.3, D3D12, WebGPU: "minimum representable value > 0").
+        D3d = "d3d",
+        /// 2⁻ⁿ also for floats, n = 24 for 32 bits, 11 for 16 (VK_EXT_depth_bias_control
+        /// LEAST_REPRESENTABLE_VALUE_FORCE_UNORM).
+        ForceUnorm = "force-unorm",
+        /// 1: the constant is in window depth (VK_EXT_depth_bias_control FLOAT).
+        One = "one",
+        /// 2⁻¹⁵ for 16 and 2⁻²³ for 24 bits: twice the exact value, as Vulkan allows and NVIDIA does
+        /// unless asked for the exact one (dxvk #2892, #3501).
+        Doubled = "doubled",
+        /// 2·2⁻¹⁶ and 4·2⁻²⁴: AMD PAL's multipliers of the constant (AMDVLK #361).
+        AmdPal = "amd-pal",
     }
 }
 

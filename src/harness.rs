@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::num;
 use crate::output;
 use crate::report::{Profile, Report, Table, Written};
 use crate::{Error, Result};
@@ -49,14 +50,22 @@ impl Common {
         self.out.clone().unwrap_or_else(|| Path::new("reports").join(name))
     }
 
-    /// Sets up the worker threads; call once, before any parallel work.
+    /// Sets up the worker threads and checks the floating-point mode of each; call once, before any
+    /// parallel work.
     ///
     /// # Errors
-    /// [`Error::BadInput`] where the system does not give so many threads.
+    /// [`Error::BadInput`] where the system does not give so many threads, [`Error::CheckFailed`]
+    /// where a thread does not compute in the default mode.
     pub fn start(&self) -> Result<()> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-        pool.map_err(|e| Error::bad_input("--threads", e.to_string(), "ask for fewer threads"))
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+            let fewer = |e: rayon::ThreadPoolBuildError| {
+                Error::bad_input("--threads", e.to_string(), "ask for fewer threads")
+            };
+            pool.map_err(fewer)?;
+        }
+        num::check_float_mode()?;
+        rayon::broadcast(|_| num::check_float_mode()).into_iter().collect()
     }
 
     /// Writes the report (and `--json`), prints its summary table and where the page is.

@@ -8,14 +8,63 @@ use crate::num::ordinal;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Of each tap of truly lit receivers.
-    lit: Vec<f32>,
+    lit: Weighted,
     /// Of each tap of truly shadowed receivers.
-    shadowed: Vec<f32>,
+    shadowed: Weighted,
     /// The largest of each truly lit receiver: from it on the receiver is fully lit.
     lit_last: Vec<f32>,
     /// The smallest of each truly shadowed receiver: from it on the receiver is partly lit.
     shadowed_first: Vec<f32>,
-    taps: usize,
+}
+
+/// Sorted breakpoints of taps with their shares of a receiver's visibility.
+#[derive(Clone, Debug, PartialEq)]
+struct Weighted {
+    breakpoints: Vec<f32>,
+    /// Sum of the shares up to each breakpoint where shares differ.
+    reached: Vec<f64>,
+    /// The share of each where they do not.
+    share: f64,
+}
+
+impl Weighted {
+    fn new<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> Self {
+        let breakpoints = observations.clone().flat_map(|o| o.breakpoints.iter().copied());
+        let taps = observations.clone().next().map_or(1, |o| o.breakpoints.len());
+        if observations.clone().all(|o| o.taps.weights().is_none()) {
+            let share = 1.0 / taps as f64;
+            return Self { breakpoints: sorted(breakpoints), reached: Vec::new(), share };
+        }
+        let share = |o: &'o Observation, i: usize| o.taps.weights().map_or(1.0, |w| w[i]);
+        let of = |o: &'o Observation| {
+            (0..o.breakpoints.len()).map(move |i| (o.breakpoints[i], share(o, i)))
+        };
+        let mut pairs: Vec<(f32, f64)> = observations.flat_map(of).collect();
+        pairs.sort_by_key(|&(b, _)| ordinal(b));
+        let mut sum = 0.0;
+        let reached = pairs.iter().map(|&(_, share)| {
+            sum += share;
+            sum
+        });
+        Self {
+            reached: reached.collect(),
+            breakpoints: pairs.into_iter().map(|(b, _)| b).collect(),
+            share: 0.0,
+        }
+    }
+
+    /// Sum of the shares of all taps lit at `bias`, and of the others.
+    fn at(&self, bias: f32) -> [f64; 2] {
+        let n = self.breakpoints.partition_point(|&b| b <= bias);
+        let total = self.reached.last().copied();
+        match total {
+            None => [n as f64 * self.share, (self.breakpoints.len() - n) as f64 * self.share],
+            Some(total) => {
+                let reached = n.checked_sub(1).map_or(0.0, |last| self.reached[last]);
+                [reached, total - reached]
+            }
+        }
+    }
 }
 
 /// Errors at one bias.
@@ -82,13 +131,11 @@ impl Curve {
     #[must_use]
     pub fn new(observations: &[Observation]) -> Self {
         let of = |lit: bool| observations.iter().filter(move |o| o.truly_lit() == Some(lit));
-        let all = |lit: bool| sorted(of(lit).flat_map(|o| o.breakpoints.iter().copied()));
         Self {
-            lit: all(true),
-            shadowed: all(false),
+            lit: Weighted::new(of(true)),
+            shadowed: Weighted::new(of(false)),
             lit_last: sorted(of(true).map(|o| largest(&o.breakpoints))),
             shadowed_first: sorted(of(false).map(|o| smallest(&o.breakpoints))),
-            taps: observations.first().map_or(1, |o| o.breakpoints.len()),
         }
     }
 
@@ -102,12 +149,11 @@ impl Curve {
     #[must_use]
     pub fn at(&self, bias: f32) -> Errors {
         let reached = |list: &[f32]| list.partition_point(|&b| b <= bias);
-        let share = 1.0 / self.taps as f64;
         Errors {
             false_shadow: (self.lit_last.len() - reached(&self.lit_last)) as u64,
             false_light: reached(&self.shadowed_first) as u64,
-            false_shadow_weight: (self.lit.len() - reached(&self.lit)) as f64 * share,
-            false_light_weight: reached(&self.shadowed) as f64 * share,
+            false_shadow_weight: self.lit.at(bias)[1],
+            false_light_weight: self.shadowed.at(bias)[0],
         }
     }
 }

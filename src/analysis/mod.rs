@@ -1,13 +1,20 @@
 //! Analysis: every receiver judged against the truth, with the cause and the kind of each artifact.
 
 pub mod adjacency;
+pub mod budget;
 pub mod classify;
 pub mod curve;
 pub mod documents;
 pub mod explain;
+pub mod formats;
 pub mod interior;
+mod judge;
 pub mod ladder;
 pub mod measure;
+pub mod measurement;
+pub mod observation;
 pub mod observe;
 pub mod roundtrip;
+pub mod sweep;
+pub mod tune;
 pub mod walk;

@@ -70,6 +70,15 @@ impl<'a> Field<'a> {
         self.value.as_str().ok_or_else(|| self.bad("is no text", "give a string"))
     }
 
+    /// A string, a number or a truth value as text.
+    pub(super) fn plain(&self) -> Result<String> {
+        match self.value {
+            Value::String(text) => Ok(text.clone()),
+            Value::Number(_) | Value::Bool(_) => Ok(self.value.to_string()),
+            _ => Err(self.bad("is a list or an object", "give a word, a number, true or false")),
+        }
+    }
+
     pub(super) fn flag(&self) -> Result<bool> {
         self.value.as_bool().ok_or_else(|| self.bad("is neither true nor false", "give one"))
     }

@@ -2,6 +2,7 @@
 
 mod arith;
 mod depth;
+pub mod device_json;
 mod dump;
 mod encodings;
 mod filter;

@@ -1,5 +1,7 @@
 //! What a comparison found, file by file.
 
+use crate::report::{Cell, Column, Table};
+use crate::{Error, Result};
 use serde::Serialize;
 
 /// One compared file (or one of its parts).
@@ -61,6 +63,60 @@ impl Outcome {
             }
         }
         names
+    }
+}
+
+impl Outcome {
+    /// One row a file.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let column = |name: &str| Column { name: name.to_string(), ..Column::default() };
+        let row = |e: &Entry| {
+            let state = if e.missing { "missing" } else { e.first.as_deref().unwrap_or("equal") };
+            vec![
+                e.section.as_str().into(),
+                e.file.as_str().into(),
+                Cell::count(e.compared),
+                Cell::count(e.differing),
+                state.into(),
+            ]
+        };
+        let names = ["section", "file", "compared", "differing", "first difference"];
+        Table {
+            id: "conformance".to_string(),
+            caption: String::new(),
+            columns: names.map(column).into(),
+            rows: self.entries.iter().map(row).collect(),
+        }
+    }
+
+    /// Whether the folder at `place` passes.
+    ///
+    /// # Errors
+    /// [`Error::CheckFailed`] where a value differs; [`Error::BadInput`] where a section compared
+    /// nothing or, unless `allow_missing`, a listed file is not there.
+    pub fn verdict(&self, place: &str, allow_missing: bool) -> Result<()> {
+        if let Some(e) = self.entries.iter().find(|e| e.differing > 0) {
+            let first = e.first.as_deref().unwrap_or_default();
+            let (count, file) = (self.differing(""), format!("{}/{}", e.section, e.file));
+            return Err(Error::CheckFailed(format!("{count} values differ, first {file} {first}")));
+        }
+        if self.missing() > 0 && !allow_missing {
+            let reason = format!("{} listed files are missing", self.missing());
+            return Err(Error::bad_input(place, reason, "add them, or pass --allow-missing"));
+        }
+        if self.compared("") == 0 {
+            return Err(Error::bad_input(place, "nothing was compared", "give a folder of dumps"));
+        }
+        let empty = self.sections().into_iter().find(|s| self.compared(s) == 0);
+        match empty.filter(|_| !allow_missing) {
+            Some(section) => Err(Error::bad_input(
+                format!("{place}: {section}"),
+                "nothing was compared",
+                "add its files, or pass --allow-missing",
+            )),
+            None => Ok(()),
+        }
     }
 }
 

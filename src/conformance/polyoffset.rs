@@ -79,7 +79,7 @@ fn compare_clamp(
     let units = units.map_err(|_| pair.bad("names no number of units", fix))?;
     let [base, _] = all.get(&format!("{prefix}_base"))?.array::<2>()?;
     let setup = Setup::new(device, [size; 2], covering_triangle([f64::from(base); 3], 0));
-    let offset = setup.offset(device, format, PolygonOffset { factor: 0.0, units });
+    let offset = setup.offset(device, format, PolygonOffset { factor: 0.0, units, clamp: 0.0 });
     let z = setup.depth().moved(offset).at((size / 2) as f32, (size / 2) as f32);
     let [fragment, stored] = pair.array::<2>()?;
     tally.float(|| format!("{name} fragment"), fragment, z);
@@ -103,7 +103,7 @@ fn compare_row(
     ];
     let format = row.get("fmt")?.word(&words)?;
     let factor = row.optional("factor").map_or(Ok(0.0), |f| f.float())?;
-    let offset = PolygonOffset { factor, units: row.get("units")?.float()? };
+    let offset = PolygonOffset { factor, units: row.get("units")?.float()?, clamp: 0.0 };
     let measured = measure(device, size, corners, format, offset);
     for (name, found) in ["fragz", "stored"].into_iter().zip(measured) {
         let Some(expected) = row.optional(name) else { continue };

@@ -5,28 +5,23 @@
 //! format whose encode is monotone.
 
 mod clip;
+mod fragments;
 pub mod passes;
 mod plane;
+pub mod probe;
 mod triangle;
 
 use crate::depth::DepthFormat;
 use crate::device::{Device, OffsetUnit, SlopeNorm};
 use crate::scene::Cull;
+pub use crate::shadow::bias::PolygonOffset;
+pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
 pub use plane::{Plane, Row, Varyings};
 pub use triangle::Projected;
 
 /// No triangle covers the texel.
 pub const NO_TRIANGLE: u32 = u32::MAX;
-
-/// Polygon offset as the APIs state it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PolygonOffset {
-    /// Multiplies the largest depth slope m.
-    pub factor: f32,
-    /// Multiplies the smallest resolvable difference r.
-    pub units: f32,
-}
 
 /// What a pass draws into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,24 +84,54 @@ impl Setup {
     #[must_use]
     pub fn resolvable(&self, device: &Device, format: DepthFormat) -> f32 {
         let format = device.depth_format(format);
-        match (format.unorm_max(), device.offset_unit) {
-            (Some(max), OffsetUnit::Measured) => 1.01 / max as f32,
-            (Some(max), OffsetUnit::Specification) => 1.0 / (max as f32 + 1.0),
-            (None, OffsetUnit::Measured) => plane::measured_float_unit(&self.projected),
-            (None, OffsetUnit::Specification) => {
+        let bits = match format {
+            DepthFormat::F16 => 11,
+            DepthFormat::F32 => 24,
+            _ => format.unorm_max().map_or(24, u32::count_ones),
+        };
+        let exact = crate::num::exp2(-(bits as i32)) as f32;
+        match (device.offset_unit, format.unorm_max()) {
+            (OffsetUnit::One, _) => 1.0,
+            (OffsetUnit::ForceUnorm, _) => exact,
+            (OffsetUnit::Measured, Some(max)) => 1.01 / max as f32,
+            (OffsetUnit::Specification, Some(max)) => 1.0 / (max as f32 + 1.0),
+            (OffsetUnit::D3d, Some(max)) => 1.0 / max as f32,
+            (OffsetUnit::Doubled, Some(_)) => 2.0 * exact,
+            (OffsetUnit::AmdPal, Some(_)) => {
+                if bits == 24 {
+                    4.0 * exact
+                } else {
+                    2.0 * exact
+                }
+            }
+            (OffsetUnit::Measured, None) => plane::measured_float_unit(&self.projected),
+            (_, None) => {
                 let depths = self.projected.clip.map(|v| (v.z / v.w * 0.5 + 0.5).abs());
                 plane::exponent_unit(depths.into_iter().fold(0.0, f32::max))
             }
         }
     }
 
-    /// factor·m + units·r; exactly 0 without an offset, so that 0·∞ never arises.
+    /// The offset of this triangle in a depth buffer of `format`, f32.
     #[must_use]
     pub fn offset(&self, device: &Device, format: DepthFormat, offset: PolygonOffset) -> f32 {
-        let slope = if offset.factor == 0.0 { 0.0 } else { offset.factor * self.max_slope(device) };
-        let constant =
-            if offset.units == 0.0 { 0.0 } else { offset.units * self.resolvable(device, format) };
-        slope + constant
+        if offset.factor == 0.0 && offset.units == 0.0 {
+            return 0.0;
+        }
+        offset.value(self.max_slope(device), self.resolvable(device, format))
+    }
+
+    /// Whether the triangle's front is seen (counter-clockwise on the screen).
+    #[must_use]
+    pub fn is_front(&self) -> bool {
+        self.projected.area() > 0
+    }
+
+    /// The plane of a quantity over w, given at the three vertices, evaluated in f64.
+    #[must_use]
+    pub fn exact_plane(&self, at_vertices: [f32; 3]) -> Plane {
+        let values = DVec3::from_array(at_vertices.map(f64::from));
+        Plane::Exact { coefficients: self.projected.homogeneous() * values }
     }
 
     /// Interpolation of per-vertex values.
@@ -130,6 +155,9 @@ impl Setup {
         mut span: impl FnMut(u32, u32, u32),
     ) -> bool {
         let mut any = false;
+        if !self.depth.is_finite() {
+            return false;
+        }
         if let Some(outline) = self.projected.outline(device, cull) {
             outline.spans(size, |y, first, end| {
                 any = true;

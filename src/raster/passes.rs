@@ -46,7 +46,8 @@ impl Transformed {
 }
 
 /// The format whose codes the map pass' depth test compares.
-fn map_depth_buffer(case: &Case) -> DepthFormat {
+#[must_use]
+pub fn map_depth_buffer(case: &Case) -> DepthFormat {
     match (case.map.depth_buffer, case.map.texel) {
         (DepthBuffer::Unorm16, _) => DepthFormat::Unorm16,
         (DepthBuffer::Texture, TexelFormat::Depth(format)) => format,

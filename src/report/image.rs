@@ -1,7 +1,9 @@
 //! Pictures: RGB bytes with a legend, and their PNG form.
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use std::collections::HashMap;
+
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder};
 
 use super::palette::Colour;
 
@@ -33,15 +35,46 @@ impl Picture {
     /// Where `rgb` does not hold `width` × `height` pixels.
     #[must_use]
     pub fn to_png(&self) -> Vec<u8> {
-        png(self.width, self.height, &self.rgb, ExtendedColorType::Rgb8)
+        png(self.width, self.height, &self.rgb)
     }
 }
 
-/// PNG bytes of 8-bit samples.
-pub(super) fn png(width: u32, height: u32, samples: &[u8], colour: ExtendedColorType) -> Vec<u8> {
+/// PNG bytes of 8-bit RGB samples; with a palette where 256 colours suffice (plots, classes), which
+/// halves the file and loses nothing.
+///
+/// # Panics
+/// Where `rgb` does not hold `width` × `height` pixels.
+pub(super) fn png(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(samples, width, height, colour)
-        .expect("an image with as many samples as its size says encodes in memory");
+    let Some((colours, indices)) = palette(rgb) else {
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
+            .write_image(rgb, width, height, ExtendedColorType::Rgb8)
+            .expect("an image with as many samples as its size says encodes in memory");
+        return bytes;
+    };
+    let mut encoder = ::png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(::png::ColorType::Indexed);
+    encoder.set_palette(colours);
+    encoder.set_filter(::png::Filter::NoFilter);
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(&indices))
+        .expect("as many indices as pixels encode in memory");
     bytes
+}
+
+/// The distinct colours in order of appearance and each pixel's index; `None` beyond 256.
+fn palette(rgb: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
+    let mut seen = HashMap::new();
+    let mut colours = Vec::new();
+    let mut indices = Vec::with_capacity(rgb.len() / 3);
+    for pixel in rgb.chunks_exact(3) {
+        let next = seen.len();
+        let index = *seen.entry([pixel[0], pixel[1], pixel[2]]).or_insert(next);
+        if index == next {
+            colours.extend_from_slice(pixel);
+        }
+        indices.push(u8::try_from(index).ok()?);
+    }
+    Some((colours, indices))
 }

@@ -1,37 +1,72 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
-use super::{ShadowMap, Texels, sampler};
+use super::footprint::Footprint;
+use super::{ShadowMap, sampler};
 use crate::device::{Device, NearestCoord};
 use crate::scene::{Filter, TexelFormat, Wrap};
 
+/// Texels of a map, read one by one: a stored map, or one that is encoded as it is read.
+pub trait Texels {
+    /// Texels per side.
+    fn size(&self) -> u32;
+    /// What a texel holds.
+    fn format(&self) -> TexelFormat;
+    /// The depth that a NEAREST look-up of a texel returns to the comparison.
+    fn depth(&self, device: &Device, texel: usize) -> f32;
+    /// The bytes of a texel of a packed map.
+    fn bytes(&self, texel: usize) -> Option<[u8; 4]>;
+}
+
 /// The depths that one look-up compares, and the texels that each was made of: one of one for
 /// NEAREST, one of four for LINEAR, nine of one for 3×3 PCF.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Taps {
-    depths: [f32; 9],
-    texels: [u32; 9],
-    taps: u8,
-    texels_per_tap: u8,
+    depths: Vec<f32>,
+    texels: Vec<u32>,
+    texels_per_tap: usize,
+    /// Weights that add up to 1; empty where all taps weigh the same.
+    weights: Vec<f64>,
 }
 
 impl Taps {
     /// Stored depths, as compared.
     #[must_use]
     pub fn depths(&self) -> &[f32] {
-        &self.depths[..usize::from(self.taps)]
+        &self.depths
     }
 
     /// The texels that tap `i` was made of; the first is the one that NEAREST reads.
     #[must_use]
     pub fn texels(&self, i: usize) -> &[u32] {
-        let per_tap = usize::from(self.texels_per_tap);
-        &self.texels[i * per_tap..(i + 1) * per_tap]
+        &self.texels[i * self.texels_per_tap..(i + 1) * self.texels_per_tap]
     }
 
-    /// The tap in the middle.
+    /// The tap in the middle, or the heaviest where weights differ.
     #[must_use]
-    pub const fn centre(&self) -> usize {
-        self.taps as usize / 2
+    pub fn centre(&self) -> usize {
+        let heaviest = |best: usize, i: usize| {
+            if self.weights[i] > self.weights[best] { i } else { best }
+        };
+        match self.weights.len() {
+            0 => self.depths.len() / 2,
+            n => (0..n).fold(0, heaviest),
+        }
+    }
+
+    /// Weight of each tap where they differ; they add up to 1.
+    #[must_use]
+    pub fn weights(&self) -> Option<&[f64]> {
+        (!self.weights.is_empty()).then_some(&self.weights)
+    }
+
+    /// Fractional visibility in [0,1] of a look-up whose tap `i` is lit where `is_lit(i)`.
+    #[must_use]
+    pub fn visibility(&self, is_lit: impl Fn(usize) -> bool) -> f64 {
+        let lit = (0..self.depths.len()).filter(|&i| is_lit(i));
+        match self.weights() {
+            None => lit.count() as f64 / self.depths.len() as f64,
+            Some(weights) => lit.map(|i| weights[i]).sum(),
+        }
     }
 }
 
@@ -39,58 +74,60 @@ impl ShadowMap {
     /// Reads the map at (u, v).
     #[must_use]
     pub fn taps(&self, device: &Device, filter: Filter, wrap: Wrap, u: f32, v: f32) -> Taps {
-        match filter {
-            Filter::Nearest => {
-                let texel = self.nearest(device, wrap, u, v);
-                let depth = self.depth(device, texel as usize);
-                Taps { depths: [depth; 9], texels: [texel; 9], taps: 1, texels_per_tap: 1 }
-            }
-            Filter::Linear => self.linear(device, wrap, u, v),
-            Filter::Pcf3 => self.pcf3(device, wrap, u, v),
-        }
-    }
-
-    fn pcf3(&self, device: &Device, wrap: Wrap, u: f32, v: f32) -> Taps {
-        let step = 1.0 / self.size as f32;
-        let mut taps = Taps { depths: [0.0; 9], texels: [0; 9], taps: 9, texels_per_tap: 1 };
-        for i in 0..9u8 {
-            let (dx, dy) = (f32::from(i % 3) - 1.0, f32::from(i / 3) - 1.0);
-            let texel = self.nearest(device, wrap, u + dx * step, v + dy * step);
-            taps.texels[usize::from(i)] = texel;
-            taps.depths[usize::from(i)] = self.depth(device, texel as usize);
-        }
-        taps
+        let mut footprint = Footprint::default();
+        let fixed = fixed_coordinates(device, self.format());
+        footprint.place(filter, wrap, self.size(), fixed, [u, v]);
+        read(self, device, &footprint)
     }
 
     /// Index of the texel that NEAREST picks.
     #[must_use]
     pub fn nearest(&self, device: &Device, wrap: Wrap, u: f32, v: f32) -> u32 {
-        let fixed = device.nearest == NearestCoord::Fixed16
-            && matches!(self.format, TexelFormat::Packed(_));
-        let axis = |c: f32| sampler::nearest_texel(c, self.size, wrap, fixed);
-        axis(v) * self.size + axis(u)
+        let fixed = fixed_coordinates(device, self.format());
+        let axis = |c: f32| sampler::nearest_texel(c, self.size(), wrap, fixed);
+        axis(v) * self.size() + axis(u)
     }
+}
 
-    /// LINEAR: bytes are mixed in f32 on 0…255 (x before y), times f32(1/255), then decoded; depth
-    /// textures without a compare mode read 0, as measured.
-    fn linear(&self, device: &Device, wrap: Wrap, u: f32, v: f32) -> Taps {
-        let nearest = self.nearest(device, wrap, u, v);
-        let ([x0, x1], _) = sampler::linear_axis(u, self.size, wrap);
-        let ([y0, y1], _) = sampler::linear_axis(v, self.size, wrap);
-        let mixed = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| y * self.size + x);
-        let mut texels = [nearest; 9];
-        let others = mixed.into_iter().filter(|&t| t != nearest);
-        texels[1..].iter_mut().zip(others).take(3).for_each(|(slot, t)| *slot = t);
-        let depth = match (&self.texels, self.format) {
-            (Texels::Bytes(bytes), TexelFormat::Packed(packing)) => {
-                let scale = device.load.value(1, 255);
-                packing.unpack(std::array::from_fn(|c| {
-                    let fetch = |x: u32, y: u32| f32::from(bytes[(y * self.size + x) as usize][c]);
-                    sampler::linear(fetch, [self.size; 2], wrap, [u, v]) * scale
-                }))
-            }
-            _ => 0.0,
-        };
-        Taps { depths: [depth; 9], texels, taps: 1, texels_per_tap: 4 }
+/// Whether NEAREST coordinates are fixed point in textures of this format.
+#[must_use]
+pub fn fixed_coordinates(device: &Device, format: TexelFormat) -> bool {
+    device.nearest == NearestCoord::Fixed16 && matches!(format, TexelFormat::Packed(_))
+}
+
+/// Reads the texels of a footprint.
+#[must_use]
+pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint) -> Taps {
+    let taps = footprint.taps();
+    if footprint.mixed.is_some() {
+        let depth = mixed_depth(map, device, footprint);
+        let texels = taps.iter().map(|tap| tap.texel).collect();
+        return Taps { depths: vec![depth], texels, texels_per_tap: 4, weights: Vec::new() };
     }
+    Taps {
+        depths: taps.iter().map(|tap| map.depth(device, tap.texel as usize)).collect(),
+        texels: taps.iter().map(|tap| tap.texel).collect(),
+        texels_per_tap: 1,
+        weights: match footprint.weighted {
+            true => taps.iter().map(|tap| tap.weight).collect(),
+            false => Vec::new(),
+        },
+    }
+}
+
+/// LINEAR: bytes are mixed in f32 on 0…255 (x before y), times f32(1/255), then decoded; depth
+/// textures without a compare mode read 0, as measured.
+#[must_use]
+pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint) -> f32 {
+    let (Some(mix), TexelFormat::Packed(packing)) = (footprint.mixed, map.format()) else {
+        return 0.0;
+    };
+    let bytes = mix.texels.map(|texel| map.bytes(texel as usize).unwrap_or_default());
+    let scale = device.load.value(1, 255);
+    let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    packing.unpack(std::array::from_fn(|c| {
+        let [p, q, r, s] = bytes.map(|texel| f32::from(texel[c]));
+        let (low, high) = (lerp(p, q, mix.weights[0]), lerp(r, s, mix.weights[0]));
+        lerp(low, high, mix.weights[1]) * scale
+    }))
 }

@@ -16,17 +16,24 @@ pub fn visibility(spec: &LookupSpec, coord: [f32; 3], taps: &Taps, bias: f32) ->
 }
 
 /// Whether 0 ≤ u, v ≤ 1.
-pub(super) fn in_square(coord: [f32; 3]) -> bool {
+#[must_use]
+pub fn in_square(coord: [f32; 3]) -> bool {
     (0.0..=1.0).contains(&coord[0]) && (0.0..=1.0).contains(&coord[1])
 }
 
 /// The smallest finite f32 bias at which the literal rule says lit; +∞ if none does, −∞ if all do.
-///
-/// Every rule is monotone in b (IEEE addition is), so the breakpoint is found by steps around
-/// z − D and, where cancellation makes that guess poor, by bisection over the ordinals of f32.
 #[must_use]
 pub fn breakpoint(rule: CompareRule, z: f32, stored: f32) -> f32 {
-    let lit = |o: i32| rule.is_lit(z, stored, from_ordinal(o));
+    breakpoint_where(z - stored, |bias| rule.is_lit(z, stored, bias))
+}
+
+/// The smallest finite f32 at which `is_lit`; +∞ if there is none, −∞ if it is so everywhere.
+///
+/// Every rule is monotone in its bias (IEEE operations are), so the breakpoint is found by steps
+/// around `guess` and, where that is poor, by bisection over the ordinals of f32.
+#[must_use]
+pub fn breakpoint_where(guess: f32, is_lit: impl Fn(f32) -> bool) -> f32 {
+    let lit = |o: i32| is_lit(from_ordinal(o));
     let (lowest, highest) = (ordinal(f32::MIN), ordinal(f32::MAX));
     if !lit(highest) {
         return f32::INFINITY;
@@ -34,7 +41,8 @@ pub fn breakpoint(rule: CompareRule, z: f32, stored: f32) -> f32 {
     if lit(lowest) {
         return f32::NEG_INFINITY;
     }
-    let guess = ordinal(z - stored).clamp(lowest + 1, highest);
+    let guess = if guess.is_nan() { 0.0 } else { guess };
+    let guess = ordinal(guess).clamp(lowest + 1, highest);
     let (mut dark, mut bright) = bracket(&lit, guess, lowest, highest);
     while i64::from(bright) - i64::from(dark) > 1 {
         let middle = ((i64::from(dark) + i64::from(bright)) / 2) as i32;

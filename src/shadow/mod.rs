@@ -1,18 +1,21 @@
 //! The shadow map: stored texels with the triangle that drew each, and how they are read back.
 
+pub mod bias;
 mod filter;
+mod footprint;
 mod lookup;
 pub mod sampler;
 
-use crate::depth::DepthFormat;
+use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
-pub use filter::Taps;
-pub use lookup::{breakpoint, visibility};
+pub use filter::{Taps, Texels, fixed_coordinates, mixed_depth, read};
+pub use footprint::{Footprint, Mix, Tap};
+pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 
 /// Stored texels, row by row from the bottom.
 #[derive(Clone, Debug, PartialEq)]
-enum Texels {
+enum Memory {
     /// Four UNORM8 channels.
     Bytes(Vec<[u8; 4]>),
     /// Depths as the sampler returns them.
@@ -24,7 +27,7 @@ enum Texels {
 pub struct ShadowMap {
     size: u32,
     format: TexelFormat,
-    texels: Texels,
+    texels: Memory,
 }
 
 impl ShadowMap {
@@ -38,16 +41,15 @@ impl ShadowMap {
     ) -> Self {
         let texels = match spec.texel {
             TexelFormat::Packed(packing) => {
-                let bytes = |c: [f32; 4]| c.map(|x| device.store.code(device.flush(x), 255) as u8);
-                let clear = bytes(spec.clear);
+                let clear = stored_bytes(device, spec.clear);
                 let texel = |(i, &z): (usize, &f32)| match covered(i) {
-                    true => bytes(packing.pack(z)),
+                    true => stored_bytes(device, packing.pack(z)),
                     false => clear,
                 };
-                Texels::Bytes(depth.iter().enumerate().map(texel).collect())
+                Memory::Bytes(depth.iter().enumerate().map(texel).collect())
             }
             TexelFormat::Depth(format) => {
-                Texels::Depths(depth.iter().map(|&z| device.stored_depth(format, z)).collect())
+                Memory::Depths(depth.iter().map(|&z| device.stored_depth(format, z)).collect())
             }
         };
         Self { size: spec.size, format: spec.texel, texels }
@@ -63,7 +65,7 @@ impl ShadowMap {
     ) -> Self {
         let texel = |(i, &z): (usize, &f32)| if covered(i) { z } else { clear };
         let depths = depth.iter().enumerate().map(texel).collect();
-        Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Texels::Depths(depths) }
+        Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Memory::Depths(depths) }
     }
 
     /// Texels per side.
@@ -82,8 +84,8 @@ impl ShadowMap {
     #[must_use]
     pub fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
         match &self.texels {
-            Texels::Bytes(bytes) => Some(bytes[texel]),
-            Texels::Depths(_) => None,
+            Memory::Bytes(bytes) => Some(bytes[texel]),
+            Memory::Depths(_) => None,
         }
     }
 
@@ -91,11 +93,58 @@ impl ShadowMap {
     #[must_use]
     pub fn depth(&self, device: &Device, texel: usize) -> f32 {
         match (&self.texels, self.format) {
-            (Texels::Depths(depths), _) => depths[texel],
-            (Texels::Bytes(bytes), TexelFormat::Packed(packing)) => {
-                packing.unpack(bytes[texel].map(|b| device.load.value(u32::from(b), 255)))
+            (Memory::Depths(depths), _) => depths[texel],
+            (Memory::Bytes(bytes), TexelFormat::Packed(packing)) => {
+                loaded_depth(device, packing, bytes[texel])
             }
-            (Texels::Bytes(_), TexelFormat::Depth(_)) => unreachable!("bytes belong to packings"),
+            (Memory::Bytes(_), TexelFormat::Depth(_)) => unreachable!("bytes belong to packings"),
         }
+    }
+}
+
+impl Texels for ShadowMap {
+    fn size(&self) -> u32 {
+        self.size
+    }
+
+    fn format(&self) -> TexelFormat {
+        self.format
+    }
+
+    fn depth(&self, device: &Device, texel: usize) -> f32 {
+        Self::depth(self, device, texel)
+    }
+
+    fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
+        Self::bytes(self, texel)
+    }
+}
+
+/// Four channels as the colour store of the device keeps them.
+fn stored_bytes(device: &Device, channels: [f32; 4]) -> [u8; 4] {
+    channels.map(|x| device.store.code(device.flush(x), 255) as u8)
+}
+
+/// The depth of four bytes as the device's sampler returns them.
+fn loaded_depth(device: &Device, packing: Packing, bytes: [u8; 4]) -> f32 {
+    packing.unpack(bytes.map(|b| device.load.value(u32::from(b), 255)))
+}
+
+/// The bytes that one texel of a packed map keeps: of a drawn depth, or of the clear colour. `None`
+/// for depth textures.
+#[must_use]
+pub fn texel_bytes(device: &Device, spec: &MapSpec, drawn: Option<f32>) -> Option<[u8; 4]> {
+    let TexelFormat::Packed(packing) = spec.texel else { return None };
+    Some(stored_bytes(device, drawn.map_or(spec.clear, |z| packing.pack(z))))
+}
+
+/// The depth that one texel returns to the comparison after it was stored: what
+/// [`ShadowMap::depth`] says of a map that holds it.
+#[must_use]
+pub fn texel_depth(device: &Device, spec: &MapSpec, drawn: Option<f32>) -> f32 {
+    match (spec.texel, texel_bytes(device, spec, drawn)) {
+        (TexelFormat::Packed(packing), Some(bytes)) => loaded_depth(device, packing, bytes),
+        (TexelFormat::Depth(format), _) => device.stored_depth(format, drawn.unwrap_or(1.0)),
+        (TexelFormat::Packed(_), None) => unreachable!("packed texels have bytes"),
     }
 }

@@ -1,9 +1,10 @@
 //! One case on the page: verdict, pictures, trade-off curve, numbers.
 
-use super::{layers, shade};
+use super::{explore, layers, shade};
 use crate::analysis::classify::Artifact;
 use crate::analysis::ladder::Rung;
-use crate::analysis::measure::{Measured, Measurement, Wrongs};
+use crate::analysis::measure::Measured;
+use crate::analysis::measurement::{Measurement, Wrongs};
 use crate::report::{
     Axis, Block, Cell, Colour, Column, Marker, Plot, Section, Series, Style, Table,
 };
@@ -12,8 +13,8 @@ use crate::report::{
 const FALSE_SHADOW: Colour = Colour::Vermilion;
 const FALSE_LIGHT: Colour = Colour::Blue;
 
-/// The case's section, folded.
-pub(super) fn section(measured: &Measured<'_>, step: u32) -> Section {
+/// The case's section, folded; `compared` are its variants.
+pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: u32) -> Section {
     let m = &measured.measurement;
     let observer = &measured.observer;
     let mut section =
@@ -26,6 +27,7 @@ pub(super) fn section(measured: &Measured<'_>, step: u32) -> Section {
         shaded.into(),
         shade::map(observer).into(),
     ]));
+    section.push(explore::explorer(measured, compared, step));
     section.push(curve(measured));
     section.push(numbers(m));
     section.push(causes(m));
@@ -132,13 +134,13 @@ fn numbers(m: &Measurement) -> Table {
     row("headroom", Cell::number(m.headroom), "window depth");
     row("smallest exact gap", Cell::number(m.exact_gap.map(|g| g.min)), "window depth");
     row("longest falsely lit strip", Cell::number(m.peter_panning.map(|l| l.world)), "world units");
-    row("the same", Cell::number(m.peter_panning.map(|l| l.texels)), "texels");
+    row("longest falsely lit strip", Cell::number(m.peter_panning.map(|l| l.texels)), "texels");
     row(
         "stripe period without bias",
         Cell::number(m.stripe_period.map(|l| l.world)),
         "world units",
     );
-    row("the same", Cell::number(m.stripe_period.map(|l| l.texels)), "texels");
+    row("stripe period without bias", Cell::number(m.stripe_period.map(|l| l.texels)), "texels");
     let column = |name: &str| Column { name: name.to_string(), ..Column::default() };
     Table {
         id: format!("{}-numbers", m.name),

@@ -1,12 +1,15 @@
 //! The documents' systems measured end to end, and the report that shows them.
 
 mod case_page;
+mod device_panel;
+mod explore;
 pub mod findings;
 mod layers;
 mod probes;
 mod shade;
 
-use super::measure::{Measured, Measurement, measure};
+use super::measure::measure;
+use super::measurement::Measurement;
 use crate::device::DeviceProfile;
 use crate::report::{Cell, Column, Finding, Profile, Report, Section, Table, Verdict};
 use crate::scene::{Case, Cull, Filter, cases};
@@ -23,10 +26,21 @@ pub struct Options {
     pub profile: Profile,
     /// Seed, carried into the report (nothing here is random).
     pub seed: u64,
-    /// Only this case; all if `None`.
-    pub case: Option<String>,
+    /// What to measure.
+    pub which: Which,
     /// Another device than the cases' own.
     pub device: Option<DeviceProfile>,
+}
+
+/// The cases of a run.
+#[derive(Clone, Debug)]
+pub enum Which {
+    /// Every named case.
+    All,
+    /// One named case.
+    Named(String),
+    /// A user's own.
+    Own(Box<Case>),
 }
 
 impl Options {
@@ -44,9 +58,10 @@ impl Options {
     /// # Errors
     /// [`crate::Error::BadInput`] for an unknown case.
     pub fn cases(&self) -> crate::Result<Vec<Case>> {
-        let mut list = match &self.case {
-            Some(name) => vec![cases::named(name)?],
-            None => cases::all(),
+        let mut list = match &self.which {
+            Which::All => cases::all(),
+            Which::Named(name) => vec![cases::named(name)?],
+            Which::Own(case) => vec![Case::clone(case)],
         };
         if let Some(device) = self.device {
             list.iter_mut().for_each(|case| case.device = device);
@@ -55,21 +70,31 @@ impl Options {
     }
 }
 
-/// Cases with one thing changed, for findings that compare.
-fn variants(cases: &[Case]) -> Vec<Case> {
-    let change = |of: &str, suffix: &str, edit: fn(&mut Case)| {
-        let mut case = cases.iter().find(|case| case.name == of)?.clone();
-        case.name = format!("{of}-{suffix}");
-        edit(&mut case);
-        Some(case)
-    };
-    [
-        change("runnable-rgba8", "nearest", |case| case.lookup.filter = Filter::Nearest),
-        change("exam-pcf", "cull-none", |case| case.map.cull = Cull::None),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+/// A case with one thing changed, for findings that compare.
+struct Change {
+    of: &'static str,
+    suffix: &'static str,
+    edit: fn(&mut Case),
+}
+
+const CHANGES: [Change; 2] = [
+    Change {
+        of: "runnable-rgba8",
+        suffix: "nearest",
+        edit: |case| case.lookup.filter = Filter::Nearest,
+    },
+    Change { of: "exam-pcf", suffix: "cull-none", edit: |case| case.map.cull = Cull::None },
+];
+
+/// The variants of a case that findings compare it with.
+fn variants(case: &Case) -> Vec<Case> {
+    let of_case = CHANGES.iter().filter(|change| change.of == case.name);
+    let changed = of_case.map(|change| {
+        let mut variant = Case { name: format!("{}-{}", case.name, change.suffix), ..case.clone() };
+        (change.edit)(&mut variant);
+        variant
+    });
+    changed.collect()
 }
 
 /// Measures and builds the report. `progress` is called once for each finished case.
@@ -80,23 +105,31 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     let cases = options.cases()?;
     let step = options.step();
     let page = |case: &Case| {
-        let measured: Measured<'_> = measure(case, step);
-        let section = case_page::section(&measured, step);
+        let variants = variants(case);
+        let (measured, compared) = rayon::join(
+            || measure(case, step),
+            || variants.par_iter().map(|variant| measure(variant, step)).collect::<Vec<_>>(),
+        );
+        let section = case_page::section(&measured, &compared, step);
         progress();
-        (measured.measurement, section)
+        let compared: Vec<_> = compared.into_iter().map(|c| c.measurement).collect();
+        (measured.measurement, (section, compared))
     };
-    let (measurements, sections): (Vec<_>, Vec<_>) = cases.par_iter().map(page).unzip();
-    let compared = variants(&cases);
-    let compared: Vec<Measurement> =
-        compared.par_iter().map(|case| measure(case, step).measurement).collect();
     let device = options.device.unwrap_or(DeviceProfile::WebglSwiftshader).device();
+    let (measured, probes) = rayon::join(
+        || cases.par_iter().map(page).unzip::<_, _, Vec<_>, Vec<_>>(),
+        || probes::probes(&device),
+    );
+    let (measurements, pages) = measured;
+    let (sections, compared): (Vec<_>, Vec<Vec<Measurement>>) = pages.into_iter().unzip();
+    let compared = compared.concat();
     let mut results = json!({
         "schema": SCHEMA,
         "profile": options.profile.name(),
         "seed": options.seed,
         "cases": measurements,
         "variants": compared,
-        "probes": probes::probes(&device),
+        "probes": probes,
     });
     let findings = findings::evaluate(&findings::by_name(&results));
     results["findings"] = findings.iter().map(finding_json).collect();
@@ -144,6 +177,7 @@ fn assemble(
     found.push(findings);
     report.sections.extend([overview, found]);
     report.sections.extend(sections);
+    report.sections.push(device_panel::section());
     report.sections.push(method());
     report
 }

@@ -129,7 +129,7 @@ fn highlight(observer: &Observer<'_>, o: &Observation) -> f64 {
     0.3 * squared(squared(squared(squared(squared(cosine)))))
 }
 
-/// The stored depths, stretched over the range that was drawn; cleared texels in their own colour.
+/// The stored depths, stretched over the range that was drawn; cleared texels black.
 pub(super) fn map(observer: &Observer<'_>) -> Picture {
     let map = &observer.subject.map;
     let raster = &observer.subject.map_raster;
@@ -145,10 +145,10 @@ pub(super) fn map(observer: &Observer<'_>) -> Picture {
     }
     let grey = |i: usize| {
         if !drawn(i) {
-            return Colour::Purple.rgb();
+            return Colour::Ink.rgb();
         }
         let t = (depth(i) - near) / (far - near).max(f32::MIN_POSITIVE);
-        [(30.0 + 215.0 * t).round_ties_even() as u8; 3]
+        [(80.0 + 165.0 * t).round_ties_even() as u8; 3]
     };
     let rows = (0..side).rev();
     let rgb = rows.flat_map(|y| (0..side).flat_map(move |x| grey(texel(x, y)))).collect();
@@ -158,13 +158,17 @@ pub(super) fn map(observer: &Observer<'_>) -> Picture {
             "Shadow map as decoded: {} (dark) to {} (light) window depth{}",
             pretty(f64::from(near), 4),
             pretty(f64::from(far), 4),
-            if stride > 1 { format!(", every {stride}th texel") } else { String::new() }
+            if stride > 1 {
+                format!(", one texel in {stride} across and down")
+            } else {
+                String::new()
+            }
         ),
         alt: format!("{}: the shadow map", observer.case().name),
         width: side,
         height: side,
         rgb,
-        legend: vec![(Colour::Purple, "cleared".to_string())],
+        legend: vec![(Colour::Ink, "cleared".to_string())],
         magnify: 1,
     }
 }

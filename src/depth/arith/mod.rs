@@ -4,15 +4,18 @@
 //! |---|---|
 //! | `f32` | rounds to f32, no contraction (the measured WebGL) |
 //! | [`Fused`] | rounds to f32, a product that feeds a sum is contracted to one `fma` |
+//! | [`Folded`] | as f32, but x / c is x times the rounded 1/c |
 //! | [`Mediump`] | rounds to half precision, overflows to infinity (phones) |
 //! | `f64` | the real value to f64 accuracy: what the formula means |
 //! | [`Interval`] | encloses the results of one of the above over an interval of depths |
 
+mod folded;
 mod fused;
 mod interval;
 mod mediump;
 mod plain;
 
+pub use folded::Folded;
 pub use fused::Fused;
 pub use interval::Interval;
 pub use mediump::Mediump;

@@ -7,10 +7,12 @@ mod base255;
 mod base256;
 mod bits;
 mod digits;
+mod source;
 mod text;
 mod three;
 
 use super::arith::Number;
+pub use source::Source;
 pub use text::TextPair;
 
 /// A pack and its unpack, written once over [`Number`].

@@ -1,6 +1,5 @@
 //! Figures drawn by plotters, once for SVG and once for PNG.
 
-use ::image::ExtendedColorType;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -44,7 +43,7 @@ pub(super) fn png(plot: &Plot, size: Size) -> Vec<u8> {
     let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
     figure.draw(&area).expect("drawing into memory cannot fail");
     drop(area);
-    image::png(width, height, &pixels, ExtendedColorType::Rgb8)
+    image::png(width, height, &pixels)
 }
 
 impl<'a> Figure<'a> {

@@ -1,8 +1,9 @@
-//! Scenes whose artifacts are known in closed form: T1 tilted plane, T4 wall, T7 sphere under sun,
-//! T11 two plates.
+//! Scenes whose artifacts are known in closed form: planes (T1, T2, T3), walls and boxes (T4, T5, T6,
+//! T12), spheres (T7, T8, T9), a disc (T10), two plates (T11).
 //!
 //! Notation: s texel edge, g depth gradient in light space, |g|₁ = |gx| + |gy|, α elevation of the
-//! light. All lights are orthographic, so window depth is linear: world length = depth · (far − near).
+//! light. Lights are orthographic unless a case says otherwise, so that window depth is linear: world
+//! length = depth · (far − near).
 
 use crate::camera::Camera;
 use crate::depth::DepthFormat;
@@ -19,7 +20,21 @@ use glam::{DVec3, Mat4, Vec3};
 /// The analytic cases.
 #[must_use]
 pub fn all() -> Vec<Case> {
-    vec![tilted_plane(0.5, 0.25), wall(), sphere(), plates()]
+    vec![
+        tilted_plane(0.5, 0.25),
+        wall(),
+        sphere(),
+        plates(),
+        dyadic_plane(),
+        spot_plane(0.5, 0.25),
+        leaning_wall(),
+        solid(Cull::None),
+        solid(Cull::Front),
+        sphere_under_spot(),
+        ball(),
+        disc(),
+        stairs(),
+    ]
 }
 
 const GROUND: Vec3 = Vec3::new(0.8, 0.8, 0.75);
@@ -201,4 +216,181 @@ pub fn plates() -> Case {
             Fact { quantity: "detachment_bias", value: 0.5 / 16.0 - half, source: "t - (s/2)|g|1" },
         ],
     })
+}
+
+/// T2: a plane whose gradients, texels and depths are dyadic, so that every threshold is exact in f32.
+#[must_use]
+pub fn dyadic_plane() -> Case {
+    let mut case = tilted_plane(0.25, -0.125);
+    case.name = "t2-dyadic-plane".to_string();
+    case.document = "closed form: dyadic plane".to_string();
+    case
+}
+
+/// A spot at (0, 8, 0) looking down, 60°, near 1, far 12.
+fn spot() -> Light {
+    Light {
+        view: View { position: DVec3::Y * 8.0, target: DVec3::ZERO, up: DVec3::NEG_Z },
+        projection: Projection::Perspective {
+            fovy_degrees: 60.0,
+            aspect: 1.0,
+            near: 1.0,
+            far: 12.0,
+        },
+        cone_cos: None,
+    }
+}
+
+/// T3: the plane y = gx·x + gz·z under a spot 8 above the origin. In window depth the critical bias is
+/// the same all over the plane: (τ/2)·nf/(f − n)·(|gx| + |gz|)/8, τ = 2·tan 30°/N.
+#[must_use]
+pub fn spot_plane(gx: f32, gz: f32) -> Case {
+    let tau = 2.0 * libm::tan(30.0 * std::f64::consts::PI / 180.0) / 64.0;
+    let gradients = f64::from(gx.abs() + gz.abs());
+    case(Scene {
+        name: "t3-spot-plane",
+        document: "closed form: plane under a spot",
+        parts: vec![("plane", sheet(2.5, 0.0, gx, gz, GROUND))],
+        light: spot(),
+        camera: camera(DVec3::Y, DVec3::ZERO, 5.5, 1.0),
+        canvas: 500,
+        map_size: 64,
+        bias: 0.0,
+        facts: vec![Fact {
+            quantity: "critical_bias",
+            value: tau / 2.0 * (12.0 / 11.0) * gradients / 8.0,
+            source: "(tau/2) nf/(f-n) (|Nx|+|Ny|)/|D|",
+        }],
+    })
+}
+
+/// Light of elevation α from −x, cos α = 3/5, and a scene on level ground beside the axis.
+fn on_ground(
+    name: &'static str,
+    document: &'static str,
+    bias: f32,
+    caster: Mesh,
+    gap: f64,
+) -> Scene {
+    Scene {
+        name,
+        document,
+        parts: vec![("ground", sheet(4.0, 0.0, 0.0, 0.0, GROUND)), ("caster", caster)],
+        light: sun(DVec3::new(-6.0, 8.0, 0.0), DVec3::Y, 12.0, 2.0, 18.0),
+        camera: camera(DVec3::Y, DVec3::ZERO, 6.0, 15.8),
+        canvas: 400,
+        map_size: 2048,
+        bias,
+        facts: vec![Fact { quantity: "peter_panning_world", value: gap, source: "section 4.6" }],
+    }
+}
+
+/// T5: a wall that leans over its own shadow, interior angle ψ with cos ψ = 3/5: a bias b along the ray
+/// opens a gap of b·sin(α + ψ)/sin ψ = 1.2 b.
+#[must_use]
+pub fn leaning_wall() -> Case {
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let corners = [at(0., 0., -2.), at(0., 0., 2.), at(1.2, 1.6, 2.), at(1.2, 1.6, -2.)];
+    let wall = shapes::quad(corners, CASTER);
+    case(on_ground("t5-leaning-wall", "closed form: leaning wall", 0.025, wall, 1.2 * 0.025 * 16.0))
+}
+
+/// T6: a box ½ thick along the light. Its near faces stored, the foot stays dark below b = ½/cos α;
+/// its far faces stored, the gap is b·cos α.
+#[must_use]
+pub fn solid(cull: Cull) -> Case {
+    let block = shapes::cuboid(Vec3::new(-0.5, 0.0, -1.5), Vec3::new(0.0, 1.5, 1.5), CASTER);
+    let gap = if cull == Cull::Front { 0.025 * 16.0 * 0.6 } else { 0.0 };
+    let name = if cull == Cull::Front { "t6-box-back-faces" } else { "t6-box" };
+    let mut case = case(on_ground(name, "closed form: box on ground", 0.025, block, gap));
+    case.map.cull = cull;
+    case
+}
+
+/// T8: a sphere of radius 1, centre 2 above the ground, under a spot 8 above it: its shadow is a circle of
+/// radius 8/√(6² − 1).
+#[must_use]
+pub fn sphere_under_spot() -> Case {
+    let mut ball = shapes::sphere(1.0, 128, 64, CASTER);
+    ball.positions.iter_mut().for_each(|p| p.y += 2.0);
+    case(Scene {
+        name: "t8-sphere-spot",
+        document: "closed form: sphere under a point light",
+        parts: vec![("ground", sheet(3.0, 0.0, 0.0, 0.0, GROUND)), ("sphere", ball)],
+        light: spot(),
+        camera: camera(DVec3::Y, DVec3::ZERO, 5.0, 15.5),
+        canvas: 400,
+        map_size: 1024,
+        bias: 0.0005,
+        facts: vec![Fact {
+            quantity: "shadow_area_world",
+            value: std::f64::consts::PI * 64.0 / 35.0,
+            source: "pi (R h / sqrt((h-H)^2 - R^2))^2",
+        }],
+    })
+}
+
+/// T9: a sphere alone under a vertical light: nothing shadows it but itself.
+#[must_use]
+pub fn ball() -> Case {
+    case(Scene {
+        name: "t9-ball",
+        document: "closed form: sphere, self-shadow",
+        parts: vec![("sphere", shapes::sphere(1.0, 128, 64, CASTER))],
+        light: sun(DVec3::Y * 8.0, DVec3::NEG_Z, 4.0, 0.0, 16.0),
+        camera: camera(DVec3::Y, DVec3::ZERO, 2.5, 1.0),
+        canvas: 400,
+        map_size: 256,
+        bias: 0.002,
+        facts: Vec::new(),
+    })
+}
+
+/// T10: a disc of radius 1 (256 corners) over the ground under a vertical light: on average 0.24357·s of
+/// receiver per unit of its outline is on the wrong side.
+#[must_use]
+pub fn disc() -> Case {
+    let turn = 2.0 * std::f64::consts::PI / 256.0;
+    let rim = (0..256).map(|i| {
+        let angle = turn * f64::from(i);
+        Vec3::new(libm::cos(angle) as f32, 2.0, libm::sin(angle) as f32)
+    });
+    let positions: Vec<Vec3> = std::iter::once(Vec3::Y * 2.0).chain(rim).collect();
+    let triangles = (0..256u32).map(|i| [0, 1 + (i + 1) % 256, 1 + i]).collect();
+    case(Scene {
+        name: "t10-disc",
+        document: "closed form: disc over ground",
+        parts: vec![
+            ("ground", sheet(3.5, 0.0, 0.0, 0.0, GROUND)),
+            ("disc", Mesh::new(positions, triangles, CASTER)),
+        ],
+        light: sun(DVec3::Y * 8.0, DVec3::NEG_Z, 8.0, 0.0, 16.0),
+        camera: camera(DVec3::Y, DVec3::ZERO, 3.0, 15.0),
+        canvas: 600,
+        map_size: 128,
+        bias: 0.001,
+        facts: vec![Fact {
+            quantity: "edge_aliasing_area_world",
+            value: 0.243_57 * (8.0 / 128.0) * 2.0 * std::f64::consts::PI,
+            source: "0.24357 s 2 pi R",
+        }],
+    })
+}
+
+/// T12: three steps down away from the light, ¼ high and 1 deep: behind each the gap is b·cos α.
+#[must_use]
+pub fn stairs() -> Case {
+    let mut steps = Mesh::new(Vec::new(), Vec::new(), CASTER);
+    for i in 0..3u8 {
+        let (x, y) = (f32::from(i) - 2.0, 0.25 * f32::from(3 - i));
+        let step = shapes::cuboid(Vec3::new(x, 0.0, -1.5), Vec3::new(x + 1.0, y, 1.5), CASTER);
+        let first = steps.positions.len() as u32;
+        steps.positions.extend(step.positions);
+        steps.triangles.extend(step.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    let mut scene = on_ground("t12-stairs", "closed form: stairs", 0.0, steps, 0.0);
+    scene.facts.clear();
+    scene.camera = camera(DVec3::Y, DVec3::ZERO, 6.0, 1.0);
+    scene.bias = 1.0 / 1024.0;
+    case(scene)
 }

@@ -1,0 +1,40 @@
+//! Where does shadow mapping break numerically, and is it where theory says?
+
+use clap::Parser;
+use gnomon::Result;
+use gnomon::harness::{self, Common, Progress};
+use gnomon::stress::{self, document};
+use std::process::ExitCode;
+
+/// Drives one parameter after the other to its extreme (near/far ratio, distance from the origin, grazing
+/// light, slivers, w ≤ 0, denormals, mediump, …) and compares where things break with a forecast that
+/// was made before the run.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    after_help = "Examples:
+  gnomon-stress                        all rows, report in reports/stress/
+  gnomon-stress --quick --out /tmp/s   an eighth of the samples: the profile of the committed report
+  gnomon-stress --quick --json -       the numbers on stdout
+Exit codes: 0 done, 1 this machine's floating-point mode is not the default, 2 bad input,
+  4 cannot write, 130 interrupted."
+)]
+struct Arguments {
+    #[command(flatten)]
+    common: Common,
+}
+
+fn main() -> ExitCode {
+    let Arguments { common } = Arguments::parse();
+    harness::run(|| stress_all(&common))
+}
+
+fn stress_all(common: &Common) -> Result<()> {
+    common.start()?;
+    let options = document::Options { profile: common.profile(), seed: common.seed };
+    let progress = Progress::new(stress::count(), "stressing");
+    let report = document::report(&options, || progress.step());
+    progress.finish();
+    common.finish(&report)?;
+    Ok(())
+}

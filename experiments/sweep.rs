@@ -1,0 +1,121 @@
+//! Which bias strategy, at which amount, ends acne at the least cost, on which map and format?
+use clap::Parser;
+use gnomon::analysis::sweep::{self, Plan, Range, gate, plan};
+use gnomon::harness::{Common, Progress, print, run};
+use gnomon::shadow::bias::Strategy;
+use gnomon::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Sweeps bias strategies over cases, map sizes, formats and filters: exact counts of acne, lost shadow
+/// and every other artifact along each strategy's parameter.
+///
+/// Examples:
+///   gnomon-sweep --quick
+///   gnomon-sweep --case book-r8-y7 --map 256,512 --format unorm16,f32 --bias 1e-7:1e-2:log:200
+///   gnomon-sweep --case upc --strategy constant --bias 0.001 --fail-acne 0.1%
+///   gnomon-sweep --case exam-pcf --baseline old/results.json
+#[derive(Parser)]
+#[command(name = "gnomon-sweep", version, verbatim_doc_comment)]
+struct Args {
+    /// Cases: names, `documents` or `all`
+    #[arg(long, value_delimiter = ',', default_value = "documents")]
+    case: Vec<String>,
+    /// Map sizes in texels per side
+    #[arg(long, value_delimiter = ',', default_value = "256,512,1024,2048")]
+    map: Vec<u32>,
+    /// Depth formats and packings
+    #[arg(long, value_delimiter = ',', default_value = "r8,book,unorm16,unorm24,f16,f32")]
+    format: Vec<String>,
+    /// Filters; `own` is the case's
+    #[arg(long, value_delimiter = ',', default_value = "own")]
+    filter: Vec<String>,
+    /// Strategies
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "constant,slope-raster,receiver-slope,\
+normal-offset,receiver-plane,adaptive,front-culling,midpoint"
+    )]
+    strategy: Vec<Strategy>,
+    /// Amounts in window depth, lo:hi:log:n or one value; other units take ranges of their own
+    #[arg(long, default_value = "1e-6:1e-1:log:200")]
+    bias: String,
+    /// Acne that counts as none, as a share of the truly lit
+    #[arg(long, default_value = "0")]
+    max_acne: String,
+    /// Exit with 1 where no amount keeps acne within this share
+    #[arg(long, value_name = "SHARE")]
+    fail_acne: Option<String>,
+    /// Exit with 1 where no amount keeps contact gaps within this length (2texels, or world units)
+    #[arg(long, value_name = "LENGTH")]
+    fail_peter_panning: Option<gate::Length>,
+    /// Exit with 1 where a combination is worse than in this results.json
+    #[arg(long, value_name = "PATH")]
+    baseline: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    run(move || body(&args))
+}
+
+fn body(args: &Args) -> Result<()> {
+    args.common.start()?;
+    let filter = |name: &String| match name.as_str() {
+        "own" => Ok(None),
+        name => name.parse().map(Some),
+    };
+    let plan = Plan {
+        cases: plan::cases_named(&args.case)?,
+        sizes: args.map.clone(),
+        formats: args.format.iter().map(|f| plan::format_named(f)).collect::<Result<_>>()?,
+        filters: args.filter.iter().map(filter).collect::<Result<_>>()?,
+        strategies: args.strategy.clone(),
+        bias: args.bias.parse::<Range>()?,
+        step: if args.common.quick { 4 } else { 1 },
+        max_acne: gate::share(&args.max_acne)?,
+    }
+    .checked()?;
+    let limits = gate::Limits {
+        acne: args.fail_acne.as_deref().map(gate::share).transpose()?,
+        peter_panning: args.fail_peter_panning,
+    };
+    let baseline = args.baseline.as_deref().map(read_json).transpose()?;
+    let bar = Progress::new(plan.cases.len() * plan.sizes.len() * plan.filters.len(), "sweeping");
+    let sweeps = sweep::run(&plan, || bar.step());
+    bar.finish();
+    let (profile, seed) = (args.common.profile(), args.common.seed);
+    let command = format!("gnomon-sweep --{profile}");
+    let report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    args.common.finish(&report)?;
+    judge(&sweeps, &limits, baseline.as_ref())
+}
+
+fn judge(
+    sweeps: &[sweep::CaseSweep],
+    limits: &gate::Limits,
+    baseline: Option<&serde_json::Value>,
+) -> Result<()> {
+    let mut failed = gate::failures(sweeps, limits);
+    if let Some(baseline) = baseline {
+        let comparison = gate::compare(baseline, sweeps)?;
+        let (better, same) = (comparison.better, comparison.same);
+        let worse = comparison.worse.len();
+        let unmatched = comparison.unmatched;
+        print(&format!(
+            "against the baseline: {worse} worse, {better} better, {same} same, {unmatched} in one run only\n"
+        ))?;
+        failed.extend(comparison.worse);
+    }
+    if failed.is_empty() { Ok(()) } else { Err(Error::CheckFailed(failed.join("; "))) }
+}
+
+fn read_json(path: &Path) -> Result<serde_json::Value> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
+    let fix = "give the results.json of a sweep";
+    serde_json::from_str(&text)
+        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
+}

@@ -1,0 +1,58 @@
+//! Which bias does this scene need, in this engine's own parameters?
+use clap::Parser;
+use gnomon::Result;
+use gnomon::analysis::sweep::chart::{map_spec, usable_filter};
+use gnomon::analysis::sweep::{gate, plan};
+use gnomon::analysis::tune::{self, Request};
+use gnomon::engines::Engine;
+use gnomon::harness::{Common, run};
+use gnomon::scene::{Filter, cases};
+use std::process::ExitCode;
+
+/// Finds the smallest bias that ends acne on a scene and prints it as the line to paste into an engine,
+/// with what stays wrong, the same bias in other units, and the engine's default beside it.
+///
+/// Examples:
+///   gnomon-tune --case fundamentals-spot --engine threejs
+///   gnomon-tune --case upc --engine vulkan --map 1024 --format unorm24 --filter pcf3x3 --max-acne 0.1%
+#[derive(Parser)]
+#[command(name = "gnomon-tune", version, verbatim_doc_comment)]
+struct Args {
+    /// The scene
+    #[arg(long, default_value = "fundamentals-spot")]
+    case: String,
+    /// The engine or API
+    #[arg(long, default_value = "threejs")]
+    engine: Engine,
+    /// Map size in texels per side [default: the case's]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    map: Option<u32>,
+    /// Depth format or packing [default: the case's]
+    #[arg(long)]
+    format: Option<String>,
+    /// Filter [default: the case's]
+    #[arg(long)]
+    filter: Option<Filter>,
+    /// Acne that counts as none, as a share of the truly lit
+    #[arg(long, default_value = "0.1%")]
+    max_acne: String,
+    #[command(flatten)]
+    common: Common,
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    run(move || body(&args))
+}
+
+fn body(args: &Args) -> Result<()> {
+    args.common.start()?;
+    let mut case = cases::named(&args.case)?;
+    let format = args.format.as_deref().map_or(Ok(case.map.texel), plan::format_named)?;
+    case.map = map_spec(&case.map, args.map.unwrap_or(case.map.size), format);
+    case.lookup.filter = usable_filter(args.filter.unwrap_or(case.lookup.filter), format);
+    let (engine, profile, seed) = (args.engine, args.common.profile(), args.common.seed);
+    let max_acne = gate::share(&args.max_acne)?;
+    let report = tune::report(&Request { case, engine, max_acne, profile, seed });
+    args.common.finish(&report).map(|_| ())
+}

@@ -1,0 +1,278 @@
+//! 8, 16, 24 and 32 bits of depth, plain and reversed: what each costs on a case.
+
+use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
+use super::sweep::evaluate::Taps;
+use super::sweep::pictures::Gallery;
+use super::sweep::tally::{Curve, Kind};
+use super::sweep::{Field, Range};
+use crate::depth::{DepthFormat, Packing};
+use crate::report::number::significant;
+use crate::report::{
+    Axis, Block, Cell, Colour, Marker, Plot, Profile, Report, Scale, Section, Series, Style, Table,
+};
+use crate::scene::{Case, TexelFormat};
+use crate::shadow::bias::Strategy;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// The formats compared: one channel, the book's four, four sound ones, and depth textures.
+pub const FORMATS: [TexelFormat; 7] = [
+    TexelFormat::Packed(Packing::R8),
+    TexelFormat::Packed(Packing::Book),
+    TexelFormat::Packed(Packing::Digits32),
+    TexelFormat::Depth(DepthFormat::Unorm16),
+    TexelFormat::Depth(DepthFormat::Unorm24),
+    TexelFormat::Depth(DepthFormat::F16),
+    TexelFormat::Depth(DepthFormat::F32),
+];
+
+/// Whether reversed depth makes sense: sound formats under a perspective light.
+fn reverses(case: &Case, format: TexelFormat) -> bool {
+    !case.light.is_directional() && matches!(format, TexelFormat::Depth(_))
+}
+
+/// A format on a case.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// The format.
+    pub format: TexelFormat,
+    /// Whether 1 is near.
+    pub reversed: bool,
+    /// Smallest constant bias from which no acne is left; `None` where there is none.
+    pub critical: Option<f32>,
+    /// Share of the truly lit with acne at the case's bias.
+    pub acne: f64,
+    /// Share of the truly lit that a cleared or broken texel darkens at the case's bias.
+    pub faults: f64,
+    /// Share of the truly shadowed that is wrongly lit at the case's bias.
+    pub false_light: f64,
+    /// Longest contact gap at the critical bias, world units.
+    pub gap: Option<f64>,
+    /// World length of one step of the format at the middle receiver.
+    pub quantum_world: f64,
+    /// Share of the truly lit in false shadow at each of [`biases`].
+    pub curve: Vec<f64>,
+}
+
+/// The biases of the plots, window depth.
+#[must_use]
+pub fn biases() -> Vec<f32> {
+    let mut list = Range { low: 1e-7, high: 1e-1, log: true, count: 121 }.values();
+    list.insert(0, 0.0);
+    list
+}
+
+impl Measured {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{}{}", self.format.name(), if self.reversed { " reversed" } else { "" })
+    }
+
+    fn new(chart: &Chart<'_, '_>, format: TexelFormat, reversed: bool) -> Self {
+        let field = chart.field;
+        let case = field.case();
+        let looks = match reversed {
+            true => chart.looks_reversed(format),
+            false => chart.looks(format, &Strategy::Constant.with(0.0), None),
+        };
+        let weights = chart.weights(format);
+        let curve = Taps::new(Strategy::Constant, &weights).curve(&looks, case.lookup.compare);
+        let critical = curve.quiet_from(0, &[Kind::Acne]);
+        let own = curve.at(&[case.bias])[0];
+        let [lit, shadowed] = field.populations.map(|n| n.max(1) as f64);
+        Self {
+            format,
+            reversed,
+            critical,
+            acne: own.of(Kind::Acne) as f64 / lit,
+            faults: own.of(Kind::EncodingFault) as f64 / lit,
+            false_light: own.false_light() as f64 / shadowed,
+            gap: critical.map(|b| curve.gaps_at(&[b])[0]),
+            quantum_world: quantum_world(field, format, reversed),
+            curve: shares(&curve, lit),
+        }
+    }
+
+    /// One sentence.
+    #[must_use]
+    pub fn sentence(&self, case: &Case) -> String {
+        let name = self.name();
+        let step = significant(self.quantum_world, 3);
+        let ends = match self.critical {
+            None => "no constant bias ends its acne".to_string(),
+            Some(b) if b > case.bias => {
+                format!(
+                    "acne ends at {}, above the document's {}",
+                    significant(b.into(), 3),
+                    case.bias
+                )
+            }
+            Some(b) => {
+                format!(
+                    "acne ends at {}, within the document's {}",
+                    significant(b.into(), 3),
+                    case.bias
+                )
+            }
+        };
+        format!(
+            "{name}: one step is {step} world units at the middle receiver; {ends}; there {} of the lit have acne and {} of the shadowed are lit.",
+            crate::report::number::percent(self.acne, 3),
+            crate::report::number::percent(self.false_light, 3),
+        )
+    }
+}
+
+fn shares(curve: &Curve, lit: f64) -> Vec<f64> {
+    curve.at(&biases()).iter().map(|t| t.false_shadow() as f64 / lit).collect()
+}
+
+/// One step of the format at the middle receiver. R8 and the book's packing keep 1/255: the book's
+/// four bytes lose what its first one rounds away.
+fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> f64 {
+    let Some(middle) = field.samples.get(field.samples.len() / 2) else { return f64::NAN };
+    let z = middle.exact.z as f32;
+    let step = match format {
+        TexelFormat::Packed(Packing::R8 | Packing::Book) => 1.0 / 255.0,
+        format => quantum(format, if reversed { 1.0 - z } else { z }),
+    };
+    step / field.site(middle, field.case().map.size).window_per_world
+}
+
+/// All formats of a case at its own map size and filter.
+#[must_use]
+pub fn measure(field: &Field<'_>) -> Vec<Measured> {
+    let case = field.case();
+    let chart = |attachment| {
+        let format = *FORMATS.iter().find(|&&f| Attachment::of(f) == attachment)?;
+        let filter = usable_filter(case.lookup.filter, format);
+        Some(Chart::new(field, case.map.size, filter, attachment))
+    };
+    let (depth, colour) = (chart(Attachment::Depth), chart(Attachment::Colour));
+    let plain = FORMATS.iter().map(|&f| (f, false));
+    let reversed = FORMATS.iter().filter(|&&f| reverses(case, f)).map(|&f| (f, true));
+    let all: Vec<_> = plain.chain(reversed).collect();
+    let one = |&(format, reversed): &(TexelFormat, bool)| {
+        let chart = match Attachment::of(format) {
+            Attachment::Depth => depth.as_ref(),
+            Attachment::Colour => colour.as_ref(),
+        };
+        Some(Measured::new(chart?, format, reversed))
+    };
+    all.par_iter().filter_map(one).collect()
+}
+
+fn plot(case: &Case, formats: &[Measured]) -> Plot {
+    let xs = biases();
+    let line = |(i, m): (usize, &Measured)| Series {
+        name: m.name(),
+        style: if m.reversed { Style::Theory } else { Style::Steps },
+        colour: Colour::series(FORMATS.iter().position(|&f| f == m.format).unwrap_or(i)),
+        points: xs.iter().zip(&m.curve).map(|(&x, &y)| (f64::from(x), 100.0 * y)).collect(),
+    };
+    Plot {
+        id: format!("{}-formats", case.name),
+        title: format!("{}: false shadow under each format", case.name),
+        caption: "Where lines coincide the slope of the surface decides and the format does not matter; dashed lines are reversed depth.".into(),
+        x: Axis::log("constant bias [window depth]"),
+        y: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
+        series: formats.iter().enumerate().map(line).collect(),
+        markers: vec![Marker { x: f64::from(case.bias), label: "its own bias".into(), colour: Colour::Ink }],
+    }
+}
+
+fn row(case: &Case, m: &Measured, texel: f64) -> Vec<Cell> {
+    vec![
+        Cell::from(case.name.as_str()),
+        Cell::from(m.name()),
+        Cell::number(m.critical.map(f64::from)),
+        Cell::Percent(m.acne),
+        Cell::Percent(m.faults),
+        Cell::Percent(m.false_light),
+        Cell::number(m.gap),
+        Cell::number(m.gap.map(|g| g / texel)),
+        Cell::number(m.quantum_world),
+    ]
+}
+
+/// The report over cases; EXR layers of every format where at most two cases are asked for, else of the
+/// first case.
+#[must_use]
+pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Sync) -> Report {
+    let step = if profile == Profile::Quick { 4 } else { 1 };
+    let mut table = Table::new("formats", "Each format at the case's own map size and filter.")
+        .column("case", "", "")
+        .column("format", "", "")
+        .column("critical bias", "window depth", "smallest constant bias that ends acne")
+        .column("acne", "", "share of the truly lit at the document's bias")
+        .column("faults", "", "share of the truly lit that cleared or broken texels darken there")
+        .column("false light", "", "share of the truly shadowed at the document's bias")
+        .column("contact gap", "world", "longest peter-panned way at the critical bias")
+        .column("contact gap", "texels", "the same in texels")
+        .column("one step", "world", "of the format at the middle receiver");
+    let one = |(i, case): (usize, &Case)| {
+        let field = Field::new(case, step);
+        let formats = measure(&field);
+        let mut section = Section::new(case.name.clone(), case.name.clone(), "");
+        if i.is_multiple_of(cases.len().div_ceil(6)) {
+            section.push(plot(case, &formats));
+        }
+        for m in &formats {
+            section.push(m.sentence(case));
+        }
+        if cases.len() <= 2 || i == 0 {
+            for m in formats.iter().filter(|m| !m.reversed) {
+                let id = format!("{}-{}", case.name, m.format.name());
+                let gallery = Gallery::new(&field, m.format, step);
+                section.push(Block::Exr(gallery.exr(&id, Strategy::Constant, case.bias)));
+            }
+        }
+        let middle = field.samples.get(field.samples.len() / 2);
+        let texel = middle.map_or(f64::NAN, |s| field.site(s, case.map.size).texel_world);
+        done();
+        (formats, section.folded(), texel)
+    };
+    let measured: Vec<_> = cases.par_iter().enumerate().map(one).collect();
+    let mut results: Vec<Value> = Vec::new();
+    let mut sections = Vec::new();
+    let mut alike = 0;
+    for (case, (formats, section, texel)) in cases.iter().zip(measured) {
+        let of = |f: TexelFormat| {
+            formats.iter().find(|m| m.format == f && !m.reversed).and_then(|m| m.critical)
+        };
+        let (fine, finest) = (of(FORMATS[3]), of(FORMATS[6]));
+        alike += usize::from(matches!((fine, finest), (Some(a), Some(b)) if a <= 1.1 * b));
+        for m in &formats {
+            table.push(row(case, m, texel));
+            results.push(json!({
+                "case": case.name, "format": m.format.name(), "reversed": m.reversed,
+                "critical": m.critical, "acne": m.acne, "faults": m.faults, "false_light": m.false_light,
+                "contact_gap_world": m.gap, "quantum_world": m.quantum_world,
+            }));
+        }
+        sections.push(section);
+    }
+    let mut overview = Section::new("overview", "All formats", "");
+    overview.push(table.clone());
+    sections.insert(0, overview);
+    Report {
+        name: "formats".into(),
+        title: "8-bit versus 16-bit versus 24-bit versus float depth".into(),
+        question: "Which bias does each depth format need, and what is left at the documents' own?"
+            .into(),
+        lead: vec![format!(
+            "In {alike} of {} cases 16 bits need at most a tenth more bias than 32-bit float: there the slope of the surfaces decides, not the format.",
+            cases.len()
+        )],
+        profile,
+        seed,
+        parameters: BTreeMap::from([("biases".into(), "0, 1e-7:1e-1:log:121".into())]),
+        command: format!("gnomon-formats --{profile}"),
+        sections,
+        results: json!({ "schema": "gnomon-formats-1", "profile": profile, "seed": seed, "formats": results }),
+        results_csv: Some(table),
+        ..Report::default()
+    }
+}

@@ -1,0 +1,203 @@
+//! The receivers of a case with their truth: found once, looked up under every map, format and bias.
+
+use crate::analysis::classify::StoredCaster;
+use crate::analysis::observe::{Observer, Standing};
+use crate::scene::Case;
+use crate::shadow::bias::Site;
+use crate::truth::{Answer, Receiver, Truth};
+use crate::view::length;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// One counted receiver.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Pixel of the canvas, from the bottom left.
+    pub pixel: [u32; 2],
+    /// Where it is.
+    pub receiver: Receiver,
+    /// Map coordinates and depth as the subject computes them.
+    pub coord: [f32; 3],
+    /// The same, f64.
+    pub exact: DVec3,
+    /// What it truly sees.
+    pub answer: Answer,
+    /// Whether it is truly lit.
+    pub lit: bool,
+    /// Window depth between it and its first occluder; +∞ where it has none.
+    pub gap: f64,
+    /// Way on the surface towards the light until the true shadow ends, world units; 0 for the lit.
+    pub inside: f64,
+    /// Unit normal on the side that is seen.
+    pub normal: DVec3,
+    /// Window depth of its plane per unit of u and v.
+    pub gradient: DVec2,
+}
+
+/// All counted receivers of a case.
+#[derive(Debug)]
+pub struct Field<'a> {
+    /// The drawn case and its truth.
+    pub observer: Observer<'a>,
+    /// Row by row from the bottom.
+    pub samples: Vec<Sample>,
+    /// Truly lit and truly shadowed.
+    pub populations: [u64; 2],
+}
+
+impl<'a> Field<'a> {
+    /// The counted receivers at every `step`-th pixel of a case on its own device.
+    #[must_use]
+    pub fn new(case: &'a Case, step: u32) -> Self {
+        let observer = Observer::new(case, &case.device.device());
+        let [width, height] = case.canvas;
+        let rows: Vec<u32> = (0..height).step_by(step as usize).collect();
+        let row = |y: u32| {
+            let pixel = |x: u32| sample(&observer, [x, y]);
+            (0..width).step_by(step as usize).filter_map(pixel).collect::<Vec<_>>()
+        };
+        let samples: Vec<Sample> = rows.into_par_iter().map(row).collect::<Vec<_>>().concat();
+        Self::of(observer, samples)
+    }
+
+    /// Given receivers instead of a camera's: coordinates are the exact ones, rounded once.
+    #[must_use]
+    pub fn at(case: &'a Case, receivers: &[Receiver]) -> Self {
+        let observer = Observer::new(case, &case.device.device());
+        let of = |(i, receiver): (usize, &Receiver)| {
+            let window =
+                case.light.window_from_world(&observer.clip_from_world, receiver.position)?;
+            judged(&observer, [i as u32, 0], *receiver, window.as_vec3().to_array())
+        };
+        let samples = receivers.par_iter().enumerate().filter_map(of).collect();
+        Self::of(observer, samples)
+    }
+
+    fn of(observer: Observer<'a>, samples: Vec<Sample>) -> Self {
+        let lit = samples.iter().filter(|s| s.lit).count() as u64;
+        Self { populations: [lit, samples.len() as u64 - lit], observer, samples }
+    }
+
+    /// The case.
+    #[must_use]
+    pub fn case(&self) -> &'a Case {
+        self.observer.case()
+    }
+
+    /// What a bias may know of a receiver under a map of `size`² texels.
+    #[must_use]
+    pub fn site(&self, sample: &Sample, size: u32) -> Site {
+        let light = &self.case().light;
+        let position = sample.receiver.position;
+        let z = light.axial_distance(position);
+        let (near, far) = light.projection.near_far();
+        let window_per_world = if light.is_directional() {
+            1.0 / (far - near)
+        } else {
+            near * far / ((far - near) * z * z)
+        };
+        Site {
+            position,
+            normal: sample.normal,
+            to_light: light.direction_from(position),
+            texel_world: light.texel_world(size, z),
+            window_per_world,
+            gradient: sample.gradient,
+            map_size: size,
+        }
+    }
+
+    /// Whose surface a stored triangle is to a receiver.
+    #[must_use]
+    pub fn caster(&self, sample: &Sample, caster: u32, texel: u32, size: u32) -> StoredCaster {
+        let own = sample.receiver.triangle;
+        self.observer.caster_of(own, &sample.answer.truth, caster, texel, size)
+    }
+
+    /// Whether a receiver would be lit were it moved: what the bias alone does to its shadow.
+    #[must_use]
+    pub fn is_lit_from(&self, sample: &Sample, offset: DVec3) -> bool {
+        let position = sample.receiver.position + offset;
+        let moved = Receiver { position, triangle: sample.receiver.triangle };
+        self.observer.witness(&moved).1.truth == Truth::Lit
+    }
+}
+
+fn sample(observer: &Observer<'_>, pixel: [u32; 2]) -> Option<Sample> {
+    let (receiver, coord) = observer.receiver(pixel[0], pixel[1])?;
+    judged(observer, pixel, receiver, coord)
+}
+
+fn judged(
+    observer: &Observer<'_>,
+    pixel: [u32; 2],
+    receiver: Receiver,
+    coord: [f32; 3],
+) -> Option<Sample> {
+    let (window, answer, standing) = observer.witness(&receiver);
+    let exact = window.filter(|_| standing == Standing::Counted)?;
+    let lit = answer.truth == Truth::Lit;
+    let case = observer.case();
+    let area_normal = observer.geometry.area_normal(receiver.triangle);
+    let normal = area_normal / length(area_normal);
+    let normal = normal
+        * if normal.dot(case.light.direction_from(receiver.position)) < 0.0 { -1.0 } else { 1.0 };
+    let gap =
+        if lit { f64::INFINITY } else { exact.z - observer.occluder_depth(&receiver, &answer) };
+    let mut sample = Sample {
+        pixel,
+        receiver,
+        coord,
+        exact,
+        lit,
+        gap: if gap.is_finite() { gap } else { f64::INFINITY },
+        answer,
+        inside: 0.0,
+        normal,
+        gradient: gradient(observer, normal, receiver.position),
+    };
+    if !lit {
+        sample.inside = inside(observer, &sample);
+    }
+    Some(sample)
+}
+
+/// Window depth of the plane through `p` per unit of u and v: the plane in clip space is the
+/// transposed inverse of the matrix times the plane. Infinite where it is seen edge-on.
+fn gradient(observer: &Observer<'_>, normal: DVec3, p: DVec3) -> DVec2 {
+    let plane = normal.extend(-normal.dot(p));
+    let clip = observer.world_from_clip.transpose() * plane;
+    DVec2::new(-clip.x / clip.z, -clip.y / clip.z)
+}
+
+/// Steps of the walk out of the shadow, in texels of the case's own map, and how many at most.
+const STEP: f64 = 2.0;
+const STEPS: u32 = 256;
+
+/// Way along the surface towards the light until the truth is lit or the triangle's plane ends; up to
+/// [`STEPS`] steps, refined to 2⁻¹² of a step.
+fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
+    let light = &observer.case().light;
+    let p = sample.receiver.position;
+    let to_light = light.direction_from(p);
+    let along = to_light - sample.normal * sample.normal.dot(to_light);
+    let size = length(along);
+    if !size.is_finite() || size < 1e-9 {
+        return 0.0;
+    }
+    let step = STEP * light.texel_world(observer.case().map.size, light.axial_distance(p));
+    let shadowed = |s: f64| {
+        let position = p + along * (s / size);
+        let receiver = Receiver { position, triangle: sample.receiver.triangle };
+        matches!(observer.witness(&receiver).1.truth, Truth::Shadowed(_))
+    };
+    let Some(first) = (1..=STEPS).find(|&i| !shadowed(f64::from(i) * step)) else {
+        return f64::from(STEPS) * step;
+    };
+    let (mut dark, mut lit) = (f64::from(first - 1) * step, f64::from(first) * step);
+    for _ in 0..12 {
+        let middle = (dark + lit) / 2.0;
+        if shadowed(middle) { dark = middle } else { lit = middle }
+    }
+    dark
+}

@@ -1,0 +1,126 @@
+//! Sweeps: every format, filter and bias strategy of a case from one raster per map size and one truth.
+
+pub mod chart;
+pub mod evaluate;
+pub mod field;
+pub mod gate;
+pub mod looks;
+pub mod pictures;
+pub mod plan;
+pub mod report;
+pub mod tally;
+
+use crate::scene::{Case, TexelFormat};
+use crate::shadow::bias::{Family, Strategy};
+use chart::{Attachment, Chart};
+pub use evaluate::{Point, Question, Swept, sweep};
+pub use field::Field;
+pub use plan::{Plan, Range};
+use rayon::prelude::*;
+
+/// All sweeps of one case.
+#[derive(Clone, Debug)]
+pub struct CaseSweep {
+    /// The case's name.
+    pub name: String,
+    /// Its own format, which its own bias was chosen for.
+    pub own_format: &'static str,
+    /// Its own map size.
+    pub own_size: u32,
+    /// Its own bias, window depth.
+    pub own_bias: f32,
+    /// World units per unit of window depth at the middle receiver.
+    pub world_per_window: f64,
+    /// Edge of a texel of the own map there, world units.
+    pub texel_world: f64,
+    /// In the order of the plan: sizes, filters, formats, strategies.
+    pub swept: Vec<Swept>,
+}
+
+/// Amounts for a strategy: those of the plan where its unit is window depth, else as many (25 where each
+/// needs a pass of its own) between ends that suit the unit.
+#[must_use]
+pub fn amounts(strategy: Strategy, bias: &Range, world_per_window: f64) -> Vec<f32> {
+    let count = if strategy.family() == Family::Tap { bias.count } else { bias.count.min(25) };
+    let range = Range { count, ..*bias };
+    if bias.count == 1 {
+        return bias.values();
+    }
+    let own = match strategy.unit() {
+        "window depth" => range,
+        "world units" => {
+            range.between(bias.low.max(1e-9) * world_per_window, bias.high * world_per_window)
+        }
+        "format steps" | "units r" => range.between(0.25, 16_777_216.0),
+        _ => range.between(0.01, 32.0),
+    };
+    let mut values = own.values();
+    values.insert(0, 0.0);
+    values.dedup();
+    values
+}
+
+/// Sweeps one case along all axes of a plan.
+#[must_use]
+pub fn sweep_case(case: &Case, plan: &Plan, done: &(impl Fn() + Sync)) -> CaseSweep {
+    let field = Field::new(case, plan.step);
+    let middle = field.samples.get(field.samples.len() / 2);
+    let site = middle.map(|s| field.site(s, case.map.size));
+    let world_per_window = site.map_or(1.0, |s| 1.0 / s.window_per_world);
+    let charts = |&size: &u32| {
+        let of = |filter: &Option<_>| {
+            let filter = filter.unwrap_or(case.lookup.filter);
+            let swept = sweep_size(&field, size, filter, plan, world_per_window);
+            done();
+            swept
+        };
+        plan.filters.par_iter().map(of).collect::<Vec<_>>().concat()
+    };
+    CaseSweep {
+        name: case.name.clone(),
+        own_format: case.map.texel.name(),
+        own_size: case.map.size,
+        own_bias: case.bias,
+        world_per_window,
+        texel_world: site.map_or(0.0, |s| s.texel_world),
+        swept: plan.sizes.par_iter().map(charts).collect::<Vec<_>>().concat(),
+    }
+}
+
+/// All formats and strategies of one size and filter: one chart for depth textures, one for packings.
+fn sweep_size(
+    field: &Field<'_>,
+    size: u32,
+    filter: crate::scene::Filter,
+    plan: &Plan,
+    world_per_window: f64,
+) -> Vec<Swept> {
+    let chart = |attachment: Attachment| {
+        let formats = || plan.formats.iter().filter(|&&f| Attachment::of(f) == attachment);
+        let format = *formats().next()?;
+        let filter = chart::usable_filter(filter, format);
+        Some(Chart::new(field, size, filter, attachment))
+    };
+    let [depth, colour] = [Attachment::Depth, Attachment::Colour].map(chart);
+    let chart_of = |format: TexelFormat| match Attachment::of(format) {
+        Attachment::Depth => depth.as_ref(),
+        Attachment::Colour => colour.as_ref(),
+    };
+    let pairs: Vec<(TexelFormat, Strategy)> = plan
+        .formats
+        .iter()
+        .flat_map(|&format| plan.strategies.iter().map(move |&strategy| (format, strategy)))
+        .collect();
+    let one = |&(format, strategy): &(TexelFormat, Strategy)| {
+        let amounts = amounts(strategy, &plan.bias, world_per_window);
+        let question = Question { amounts: &amounts, max_acne: plan.max_acne };
+        Some(sweep(chart_of(format)?, format, strategy, &question))
+    };
+    pairs.par_iter().filter_map(one).collect()
+}
+
+/// Sweeps all cases of a plan.
+#[must_use]
+pub fn run(plan: &Plan, done: impl Fn() + Sync) -> Vec<CaseSweep> {
+    plan.cases.par_iter().map(|case| sweep_case(case, plan, &done)).collect()
+}

@@ -1,0 +1,341 @@
+//! The bias that a scene needs, in an engine's own parameters.
+
+use super::budget::Budget;
+use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
+use super::sweep::tally::{Kind, Tally};
+use super::sweep::{Field, Question, Range, Swept, amounts, looks, sweep};
+use crate::depth::DepthFormat;
+use crate::engines::{Engine, Knob, Place};
+use crate::report::number::{percent, significant};
+use crate::report::{Block, Cell, Profile, Report, Section, Table};
+use crate::scene::{Case, Filter, TexelFormat};
+use crate::shadow::bias::slope::receiver_slope;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// What is tuned.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The scene.
+    pub case: Case,
+    /// The engine.
+    pub engine: Engine,
+    /// Acne allowed as a share of the truly lit.
+    pub max_acne: f64,
+    /// Quick or full.
+    pub profile: Profile,
+    /// Seed, for the record.
+    pub seed: u64,
+}
+
+/// One parameter at its smallest value that meets the target.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// The parameter.
+    pub knob: Knob,
+    /// Its value; `None` where none ends acne.
+    pub value: Option<f64>,
+    /// The sweep behind it.
+    pub swept: Swept,
+}
+
+impl Tuned {
+    fn new(chart: &Chart<'_, '_>, format: TexelFormat, knob: Knob, max_acne: f64) -> Self {
+        let field = chart.field;
+        let middle = field.samples.get(field.samples.len() / 2);
+        let site = middle.map(|s| field.site(s, chart.size));
+        let world = site.map_or(1.0, |s| 1.0 / s.window_per_world);
+        let range = Range { low: 1e-7, high: 1e-1, log: true, count: 100 };
+        let amounts = amounts(knob.strategy, &range, world);
+        let question = Question { amounts: &amounts, max_acne };
+        let swept = sweep(chart, format, knob.strategy, &question);
+        let value = swept.acne_free.map(|p| knob.value(f64::from(p.amount)));
+        Self { knob, value, swept }
+    }
+
+    /// Order of preference: feasible, then the least false light, then false shadow.
+    fn merit(&self) -> (bool, i64, i64) {
+        self.swept
+            .acne_free
+            .map_or((true, i64::MAX, i64::MAX), |p| (false, p.tally.light, p.tally.shadow))
+    }
+}
+
+/// Where units are converted: the receiver in the middle of those counted.
+#[must_use]
+pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place> {
+    let sample = field.samples.get(field.samples.len() / 2)?;
+    let light = &field.case().light;
+    let site = field.site(sample, size);
+    let (near, far) = light.projection.near_far();
+    let z = light.axial_distance(sample.receiver.position);
+    let unit = match format {
+        TexelFormat::Depth(DepthFormat::Unorm16) => crate::num::exp2(-16),
+        TexelFormat::Depth(DepthFormat::Unorm8) | TexelFormat::Packed(_) => crate::num::exp2(-16),
+        TexelFormat::Depth(DepthFormat::F16) => crate::num::exp2(-11),
+        TexelFormat::Depth(_) => crate::num::exp2(-24),
+    };
+    Some(Place {
+        near,
+        far,
+        distance: (!light.is_directional()).then_some(z),
+        texel_world: site.texel_world,
+        cosine: site.normal.dot(site.to_light).clamp(1e-6, 1.0),
+        slope: receiver_slope(site.gradient, size),
+        unit,
+        step: quantum(format, sample.coord[2]),
+    })
+}
+
+/// A configuration that meets the target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// Map side, format and filter.
+    pub size: u32,
+    /// The texel format.
+    pub format: TexelFormat,
+    /// The filter.
+    pub filter: Filter,
+    /// Bytes of the map.
+    pub bytes: u64,
+    /// Value of the best knob.
+    pub value: f64,
+    /// Share of the truly shadowed that is lit there.
+    pub false_light: f64,
+}
+
+/// Bytes of a texel.
+const fn texel_bytes(format: TexelFormat) -> u64 {
+    match format {
+        TexelFormat::Depth(DepthFormat::Unorm8) => 1,
+        TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::F16) => 2,
+        _ => 4,
+    }
+}
+
+/// The cheapest map, by bytes and then fetches, on which some knob ends acne and lights no more of the
+/// shadow than `allowed`.
+fn cheapest(field: &Field<'_>, request: &Request, allowed: f64) -> Option<Configuration> {
+    let sizes = [128, 256, 512, 1024, 2048];
+    let formats =
+        [DepthFormat::Unorm16, DepthFormat::Unorm24, DepthFormat::F32].map(TexelFormat::Depth);
+    let filters =
+        [Filter::Nearest, field.case().lookup.filter].map(|f| usable_filter(f, formats[0]));
+    let mut options: Vec<(u64, u32, u32, TexelFormat, Filter)> = Vec::new();
+    for size in sizes {
+        for format in formats {
+            for filter in filters {
+                let bytes = u64::from(size) * u64::from(size) * texel_bytes(format);
+                options.push((bytes, filter.fetches(), size, format, filter));
+            }
+        }
+    }
+    options.sort_by_key(|&(bytes, fetches, ..)| (bytes, fetches));
+    let knob = request.engine.knobs()[0];
+    options.into_iter().find_map(|(bytes, _, size, format, filter)| {
+        let chart = Chart::new(field, size, filter, Attachment::of(format));
+        let tuned = Tuned::new(&chart, format, knob, request.max_acne);
+        let light = tuned.swept.acne_free?.tally.false_light() as f64;
+        let false_light = light / field.populations[1].max(1) as f64;
+        let value = tuned.value?;
+        (false_light <= allowed).then_some(Configuration {
+            size,
+            format,
+            filter,
+            bytes,
+            value,
+            false_light,
+        })
+    })
+}
+
+fn shares(tally: &Tally, populations: [u64; 2]) -> Vec<Cell> {
+    let share = |kind: Kind| {
+        let of = populations[usize::from(!kind.is_shadow())].max(1) as f64;
+        Cell::Percent(tally.of(kind) as f64 / of)
+    };
+    Kind::ALL.iter().map(|&kind| share(kind)).collect()
+}
+
+fn artifacts(rows: &[(String, Tally)], populations: [u64; 2]) -> Table {
+    let mut table = Table::new(
+        "artifacts",
+        "What is wrong with each setting, as shares of the truly lit or shadowed.",
+    )
+    .column("setting", "", "");
+    for kind in Kind::ALL {
+        table = table.column(kind.name(), "", "");
+    }
+    for (name, tally) in rows {
+        let mut row = vec![Cell::from(name.as_str())];
+        row.extend(shares(tally, populations));
+        table.push(row);
+    }
+    table
+}
+
+/// The same bias in every unit and engine at the middle receiver.
+fn units(place: &Place, bias: f64) -> Table {
+    let mut table = Table::new("units", "The same lift at the middle receiver in other units; a normal offset is worth it there only.")
+        .column("unit", "", "")
+        .column("value", "", "");
+    let world = place.world_from_window(bias);
+    let mut push =
+        |name: String, value: f64| table.push(vec![Cell::from(name), Cell::number(value)]);
+    push("window depth".into(), bias);
+    push("world units".into(), world);
+    push("texels".into(), world / place.texel_world);
+    push("format steps".into(), bias / place.step);
+    for &engine in Engine::ALL {
+        for knob in engine.knobs() {
+            if let Some(amount) = place.amount(knob.strategy, bias) {
+                push(format!("{engine} {}", knob.name), knob.value(amount));
+            }
+        }
+    }
+    table
+}
+
+/// The measured setting of an engine's defaults.
+fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally {
+    let recipe = engine.defaults();
+    let weights = chart.weights(format);
+    let comparisons = chart.looks(format, &recipe, Some(&weights));
+    let rule = chart.field.case().lookup.compare;
+    looks::literal(&comparisons, rule, |i| recipe.tap_bias(&weights[i]))
+}
+
+/// The report of one request.
+#[must_use]
+pub fn report(request: &Request) -> Report {
+    let (case, engine) = (&request.case, request.engine);
+    let step = if request.profile == Profile::Quick { 4 } else { 1 };
+    let field = Field::new(case, step);
+    let format = case.map.texel;
+    let filter = usable_filter(case.lookup.filter, format);
+    let chart = Chart::new(&field, case.map.size, filter, Attachment::of(format));
+    let mut tuned: Vec<Tuned> =
+        engine.knobs().iter().map(|&k| Tuned::new(&chart, format, k, request.max_acne)).collect();
+    tuned.sort_by_key(Tuned::merit);
+    let populations = field.populations;
+    let best = tuned.iter().find(|t| t.value.is_some());
+    let mut section = Section::new("answer", "The value", "");
+    let mut rows: Vec<(String, Tally)> = Vec::new();
+    for t in &tuned {
+        match (t.value, t.swept.acne_free) {
+            (Some(value), Some(point)) => {
+                let line = engine.line(&t.knob, value);
+                section.push(Block::Code { language: engine.name().into(), text: line });
+                rows.push((format!("{} = {}", t.knob.name, significant(value, 6)), point.tally));
+            }
+            _ => section.push(format!(
+                "{} alone cannot do it: within its range acne stays above the target.",
+                t.knob.name
+            )),
+        }
+    }
+    rows.push((format!("{engine} defaults"), defaults(&chart, format, engine)));
+    section.push(artifacts(&rows, populations));
+    let window = best.and_then(|t| {
+        let amount = f64::from(t.swept.acne_free?.amount);
+        place(&field, chart.size, format)?.window(t.knob.strategy, amount)
+    });
+    if let (Some(bias), Some(place)) = (window, place(&field, chart.size, format)) {
+        section.push(units(&place, bias));
+    }
+    let light = best.and_then(|t| t.swept.acne_free).map_or(0.0, |p| p.tally.false_light() as f64);
+    let allowed = light / populations[1].max(1) as f64 + 0.005;
+    let cheap = cheapest(&field, request, allowed);
+    let budget = Budget::of(&field);
+    let mut lead = vec![answer(request, best, &rows, populations)];
+    lead.push(cheap.as_ref().map_or_else(
+        || "No smaller configuration meets the target.".to_string(),
+        |c| format!(
+            "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {4} fetches, {5} = {6}).",
+            c.size, c.format.name(), c.filter, c.bytes, c.filter.fetches(), engine.knobs()[0].name, significant(c.value, 4),
+        ),
+    ));
+    lead.push(budget.sentence(&case.name));
+    if !engine.remark().is_empty() {
+        lead.push(format!("Of {engine}: {}.", engine.remark()));
+    }
+    let values: BTreeMap<&str, Option<f64>> =
+        tuned.iter().map(|t| (t.knob.name, t.value)).collect();
+    Report {
+        name: "tune".into(),
+        title: format!("{}: the bias for {engine}", case.name),
+        question: "Which bias does this scene need, in this engine's own parameters?".into(),
+        lead,
+        profile: request.profile,
+        seed: request.seed,
+        parameters: BTreeMap::from([
+            ("case".into(), case.name.clone()),
+            ("engine".into(), engine.to_string()),
+            ("map".into(), case.map.size.to_string()),
+            ("format".into(), format.name().into()),
+            ("filter".into(), filter.to_string()),
+            ("allowed acne".into(), request.max_acne.to_string()),
+        ]),
+        command: format!(
+            "gnomon-tune --case {} --engine {engine} --{}",
+            case.name, request.profile
+        ),
+        sections: vec![section],
+        results_csv: Some(artifacts(&rows, populations)),
+        results: results(request, &values, window, cheap.as_ref(), &budget),
+        ..Report::default()
+    }
+}
+
+fn results(
+    request: &Request,
+    values: &BTreeMap<&str, Option<f64>>,
+    window: Option<f64>,
+    cheap: Option<&Configuration>,
+    budget: &Budget,
+) -> Value {
+    json!({
+        "schema": "gnomon-tune-1",
+        "profile": request.profile,
+        "seed": request.seed,
+        "case": request.case.name,
+        "engine": request.engine,
+        "values": values,
+        "window_depth": window,
+        "budget": budget,
+        "cheapest": cheap.map(|c| json!({
+            "map": c.size, "format": c.format.name(), "filter": c.filter, "bytes": c.bytes,
+            "value": c.value, "false_light": c.false_light,
+        })),
+    })
+}
+
+/// The sentence on top.
+fn answer(
+    request: &Request,
+    best: Option<&Tuned>,
+    rows: &[(String, Tally)],
+    populations: [u64; 2],
+) -> String {
+    let engine = request.engine;
+    let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
+    let default = rows.last().map_or_else(String::new, |(_, t)| {
+        let (shadow, light) = (share(t.of(Kind::Acne), 0), share(t.false_light(), 1));
+        format!(
+            " The default leaves {shadow} of the lit with acne and {light} of the shadowed lit."
+        )
+    });
+    match best.and_then(|t| Some((t, t.value?, t.swept.acne_free?))) {
+        Some((t, value, point)) => format!(
+            "Set {} to {}: acne falls to {} of the lit, false light is {} of the shadowed.{default}",
+            t.knob.name,
+            significant(value, 6),
+            share(point.tally.of(Kind::Acne), 0),
+            share(point.tally.false_light(), 1),
+        ),
+        None => format!(
+            "Infeasible: no value of any of {engine}'s parameters brings acne to {} or below on this map.{default}",
+            percent(request.max_acne, 3)
+        ),
+    }
+}

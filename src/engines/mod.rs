@@ -1,0 +1,229 @@
+//! A bias in each engine's own parameters: what they mean, their defaults, and the line to paste.
+
+pub mod convert;
+
+use crate::shadow::bias::{NormalMove, NormalWeight, PolygonOffset, Recipe, Strategy};
+pub use convert::Place;
+
+crate::catalogue! {
+    /// Engines and APIs whose bias parameters were read in their source or specification.
+    pub enum Engine {
+        /// three.js r187: bias in window depth (negative removes acne), normalBias in world units.
+        Threejs = "threejs",
+        /// Babylon.js 8: bias in NDC (window depth is half of it), normalBias · sin θ at casters.
+        Babylon = "babylon",
+        /// Bevy: depth bias in world units towards the light, normal bias in texel diagonals.
+        Bevy = "bevy",
+        /// Filament: constantBias in world units, normalBias in half texels · sin θ, polygon offset.
+        Filament = "filament",
+        /// Godot 4: bias in hundredths of a world unit (scales 1), normal_bias in texels · (1 − N·L).
+        Godot = "godot",
+        /// Unity built-in: normal bias in texels · sin θ at casters.
+        Unity = "unity",
+        /// Unity URP: depth and normal bias in texels at casters.
+        Urp = "urp",
+        /// Unity HDRP: normal bias in texels, slope bias.
+        Hdrp = "hdrp",
+        /// Unreal: CSM depth bias in world units of the cascade's depth range.
+        Unreal = "unreal",
+        /// PlayCanvas: shadowBias, a tenth of a polygon offset's slope and units.
+        Playcanvas = "playcanvas",
+        /// Cesium: depthBias in window depth.
+        Cesium = "cesium",
+        /// OpenGL: glPolygonOffset.
+        Gl = "gl",
+        /// Vulkan: vkCmdSetDepthBias.
+        Vulkan = "vulkan",
+        /// Direct3D 12: rasterizer state.
+        D3d12 = "d3d12",
+        /// WebGPU: depth-stencil state.
+        Webgpu = "webgpu",
+    }
+}
+
+/// One parameter of an engine: `scale` times a strategy's amount.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knob {
+    /// Its name in the engine.
+    pub name: &'static str,
+    /// The family that it moves along.
+    pub strategy: Strategy,
+    /// Engine value per unit of the strategy's amount; negative where the engine writes it so.
+    pub scale: f64,
+    /// The engine's default.
+    pub default: f64,
+    /// Whether only whole numbers are accepted.
+    pub integer: bool,
+}
+
+const fn knob(name: &'static str, strategy: Strategy, scale: f64, default: f64) -> Knob {
+    Knob { name, strategy, scale, default, integer: false }
+}
+
+impl Knob {
+    /// The engine's value for an amount, rounded up to a whole number where it must be.
+    #[must_use]
+    pub fn value(&self, amount: f64) -> f64 {
+        let value = amount * self.scale;
+        if self.integer { value.ceil() } else { value }
+    }
+}
+
+impl Engine {
+    /// Its parameters, the one it is known for first. Sources: the engines' repositories as read for
+    /// the project's notes (three.js r187; Babylon 8.22; Bevy, Filament, PlayCanvas 2026; Godot 4 with
+    /// PR #68339, #55757; Unity's shader libraries; Cesium's ShadowMap) and the APIs' specifications.
+    #[must_use]
+    pub fn knobs(self) -> Vec<Knob> {
+        use Strategy as S;
+        match self {
+            Self::Threejs => vec![
+                knob("shadow.bias", S::Constant, -1.0, 0.0),
+                knob("shadow.normalBias", S::NormalOffset, 1.0, 0.0),
+            ],
+            Self::Babylon => vec![
+                knob("bias", S::Constant, 2.0, 5e-5),
+                knob("normalBias", S::CasterBabylon, 1.0, 0.0),
+            ],
+            Self::Bevy => vec![
+                knob("shadow_normal_bias", S::NormalBevy, 1.0, 1.8),
+                knob("shadow_depth_bias", S::LightOffset, 1.0, 0.02),
+            ],
+            Self::Filament => vec![
+                knob("normalBias", S::NormalFilament, 1.0, 1.0),
+                knob("constantBias", S::LightOffset, 1.0, 0.001),
+            ],
+            Self::Godot => vec![
+                knob("shadow_bias", S::LightOffset, 100.0, 0.1),
+                knob("shadow_normal_bias", S::NormalGodot, 1.0, 1.0),
+            ],
+            Self::Unity => vec![knob("shadowNormalBias", S::CasterUnity, 1.0, 0.4)],
+            Self::Urp => vec![
+                knob("shadowNormalBias", S::CasterUrp, 1.0, 1.0),
+                knob("shadowDepthBias", S::CasterLight, 1.0, 1.0),
+            ],
+            Self::Hdrp => vec![
+                knob("normalBias", S::NormalHdrp, 1.0, 0.75),
+                knob("slopeBias", S::SlopeRaster, 1.0, 0.5),
+            ],
+            Self::Unreal => vec![knob("r.Shadow.CSMDepthBias", S::World, 1.0, 10.0)],
+            Self::Playcanvas => vec![knob("shadowBias", S::RasterPlaycanvas, 1.0, 0.05)],
+            Self::Cesium => vec![knob("depthBias", S::Constant, 1.0, 1e-4)],
+            Self::Gl => {
+                vec![
+                    knob("factor", S::SlopeRaster, 1.0, 0.0),
+                    knob("units", S::RasterUnits, 1.0, 0.0),
+                ]
+            }
+            Self::Vulkan => vec![
+                knob("depthBiasSlopeFactor", S::SlopeRaster, 1.0, 0.0),
+                knob("depthBiasConstantFactor", S::RasterUnits, 1.0, 0.0),
+            ],
+            Self::D3d12 => vec![
+                knob("SlopeScaledDepthBias", S::SlopeRaster, 1.0, 0.0),
+                Knob { integer: true, ..knob("DepthBias", S::RasterUnits, 1.0, 0.0) },
+            ],
+            Self::Webgpu => vec![
+                knob("depthBiasSlopeScale", S::SlopeRaster, 1.0, 0.0),
+                Knob { integer: true, ..knob("depthBias", S::RasterUnits, 1.0, 0.0) },
+            ],
+        }
+    }
+
+    /// What the engine does when nothing is set: all of its default biases together.
+    #[must_use]
+    pub fn defaults(self) -> Recipe {
+        let none = Recipe::default();
+        let normal = |amount: f64, weight: NormalWeight| NormalMove {
+            amount,
+            weight,
+            in_texels: true,
+            sideways: false,
+        };
+        let root2 = std::f64::consts::SQRT_2;
+        let polygon = |factor: f32, units: f32| PolygonOffset { factor, units, clamp: 0.0 };
+        match self {
+            Self::Babylon => Recipe { window: 2.5e-5, ..none },
+            Self::Bevy => {
+                Recipe { normal: normal(1.8 * root2, NormalWeight::One), light: 0.02, ..none }
+            }
+            Self::Filament => Recipe {
+                normal: normal(0.5, NormalWeight::Sin),
+                light: 0.001,
+                polygon: polygon(2.0, 0.5),
+                ..none
+            },
+            Self::Godot => Recipe {
+                normal: NormalMove { sideways: true, ..normal(1.0, NormalWeight::OneMinusCos) },
+                light: 0.001,
+                ..none
+            },
+            Self::Unity => Recipe { caster_normal: normal(0.4, NormalWeight::Sin), ..none },
+            Self::Urp => Recipe {
+                caster_normal: normal(1.0, NormalWeight::OneMinusCos),
+                caster_light_texels: 1.0,
+                polygon: polygon(2.5, 1.0),
+                ..none
+            },
+            Self::Hdrp => Recipe {
+                normal: normal(0.75, NormalWeight::One),
+                polygon: polygon(0.5, 0.0),
+                ..none
+            },
+            Self::Unreal => Recipe { world: 10.0, ..none },
+            Self::Playcanvas => Strategy::RasterPlaycanvas.with(0.05),
+            Self::Cesium => Recipe { window: 1e-4, polygon: polygon(1.1, 4.0), ..none },
+            Self::Threejs | Self::Gl | Self::Vulkan | Self::D3d12 | Self::Webgpu => none,
+        }
+    }
+
+    /// The line to paste for one parameter.
+    #[must_use]
+    pub fn line(self, knob: &Knob, value: f64) -> String {
+        let v = format!("{value:?}");
+        let name = knob.name;
+        match (self, knob.strategy) {
+            (Self::Threejs, _) => format!("light.{name} = {v};"),
+            (Self::Babylon, _) => format!("shadowGenerator.{name} = {v};"),
+            (Self::Bevy, _) => format!("DirectionalLight {{ {name}: {v}, ..default() }}"),
+            (Self::Filament, _) => format!("shadowOptions.{name} = {v}f;"),
+            (Self::Godot, _) => format!("light.{name} = {v}"),
+            (Self::Unity | Self::Hdrp, _) => format!("light.{name} = {v}f;"),
+            (Self::Urp, _) => format!("urpAsset.{name} = {v}f;"),
+            (Self::Unreal, _) => format!("{name} {v}"),
+            (Self::Playcanvas, _) => format!("entity.light.{name} = {v};"),
+            (Self::Cesium, _) => format!("shadowMap._terrainBias.{name} = {v};"),
+            (Self::Gl, Strategy::SlopeRaster) => format!("glPolygonOffset({v}, 1.0);"),
+            (Self::Gl, _) => format!("glPolygonOffset(0.0, {v});"),
+            (Self::Vulkan, Strategy::SlopeRaster) => {
+                format!("vkCmdSetDepthBias(cmd, 1.0f, 0.0f, {v}f);")
+            }
+            (Self::Vulkan, _) => format!("vkCmdSetDepthBias(cmd, {v}f, 0.0f, 0.0f);"),
+            (Self::D3d12, Strategy::SlopeRaster) => {
+                format!("rasterizer.DepthBias = 1; rasterizer.SlopeScaledDepthBias = {v}f;")
+            }
+            (Self::D3d12, _) => format!("rasterizer.DepthBias = {};", value as i64),
+            (Self::Webgpu, Strategy::SlopeRaster) => {
+                format!("depthStencil: {{ depthBias: 1, depthBiasSlopeScale: {v} }}")
+            }
+            (Self::Webgpu, _) => format!("depthStencil: {{ depthBias: {} }}", value as i64),
+        }
+    }
+
+    /// What the engine's own terms leave open here; empty where nothing.
+    #[must_use]
+    pub const fn remark(self) -> &'static str {
+        match self {
+            Self::Godot => "bias_scale and soft_scale are taken as 1",
+            Self::Unity => {
+                "how the built-in depth bias scales is not public, so only the normal bias is tuned"
+            }
+            Self::Unreal => {
+                "directional lights only; the blend by distribution and by cascade is left out"
+            }
+            Self::Cesium => "the default is the terrain's, with its polygon offset 1.1, 4",
+            Self::Babylon => "the depth-texture path; bias is added to casters' NDC depth",
+            _ => "",
+        }
+    }
+}

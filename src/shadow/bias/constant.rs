@@ -1,0 +1,53 @@
+//! Biases added to each comparison: window depth, world units, texels, format steps, slopes.
+
+use super::{Recipe, Site};
+
+/// Window depth per unit of each tap-side parameter at one receiver, rounded to f32 once.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Weights {
+    /// Per world unit along the light's axis: 1/(f − n), or nf/((f − n)Z²) in perspective (first
+    /// order, as Dou et al. write it; the exact form is kZ²/(1 + kZ)).
+    pub world: f32,
+    /// Per texel edge at the receiver.
+    pub texel: f32,
+    /// Per step of the format at the receiver's depth.
+    pub step: f32,
+    /// Per depth slope m of the receiver's plane (window depth per texel, Euclidean).
+    pub slope: f32,
+}
+
+impl Weights {
+    /// Weights at a receiver; `step` is the format's quantum there.
+    #[must_use]
+    pub fn at(site: &Site, step: f64) -> Self {
+        let finite = |x: f64| if x.is_finite() { x as f32 } else { f32::MAX };
+        Self {
+            world: finite(site.window_per_world),
+            texel: finite(site.window_per_world * site.texel_world),
+            step: finite(step),
+            slope: finite(super::slope::receiver_slope(site.gradient, site.map_size)),
+        }
+    }
+}
+
+impl Recipe {
+    /// The bias of every tap of a receiver: window + Σ parameter·weight, each operation rounded to f32;
+    /// parameters of 0 add nothing. Monotone in every parameter.
+    #[must_use]
+    pub fn tap_bias(&self, weights: &Weights) -> f32 {
+        let mut bias = self.window;
+        let mut add = |parameter: f32, weight: f32| {
+            if parameter != 0.0 {
+                bias += parameter * weight;
+            }
+        };
+        add(self.world, weights.world);
+        add(self.texels, weights.texel);
+        add(self.steps, weights.step);
+        if self.slope != 0.0 {
+            let clamp = if self.slope_clamp > 0.0 { self.slope_clamp } else { f32::INFINITY };
+            bias += (self.slope * weights.slope).min(clamp);
+        }
+        bias
+    }
+}

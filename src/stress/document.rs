@@ -1,0 +1,186 @@
+//! The report of all stresses: the verdict table, one figure per stress, the numbers as JSON and CSV.
+
+use super::row::AGREEMENT;
+use super::{Effort, Row, Stress, run};
+use crate::report::{
+    Axis, Block, Cell, Colour, Marker, Plot, Profile, Report, Section, Series, Style, Table,
+};
+use serde_json::json;
+use std::collections::BTreeMap;
+
+/// What a run is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Quick takes an eighth of the samples.
+    pub profile: Profile,
+    /// Seed of every random choice.
+    pub seed: u64,
+}
+
+impl Options {
+    /// Samples of a phase.
+    #[must_use]
+    pub const fn samples(&self) -> u32 {
+        match self.profile {
+            Profile::Quick => 512,
+            Profile::Full => 4096,
+        }
+    }
+}
+
+/// Runs every stress and reports it; `done` is called after each.
+#[must_use]
+pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
+    let effort = Effort { samples: options.samples(), seed: options.seed };
+    let stresses = run(&effort, done);
+    let rows: Vec<&Row> = stresses.iter().flat_map(|s| &s.rows).collect();
+    let table = verdicts("verdicts", &stresses);
+    let mut overview = Section::new("overview", "Verdicts", OVERVIEW);
+    overview.push(table.clone());
+    let mut sections = vec![overview];
+    sections.extend(stresses.iter().map(section));
+    let (quick, flag) = (options.profile == Profile::Quick, " --quick");
+    Report {
+        name: "stress".to_string(),
+        title: "Where shadow mapping breaks numerically".to_string(),
+        question:
+            "From which value of each stress on does a shadow map degrade or break, and is it \
+                   where theory says?"
+                .to_string(),
+        lead: lead(&rows),
+        profile: options.profile,
+        seed: options.seed,
+        parameters: BTreeMap::from([("samples".to_string(), effort.samples.to_string())]),
+        command: format!("gnomon-stress{}", if quick { flag } else { "" }),
+        sections,
+        results: results(options, &stresses),
+        results_csv: Some(table),
+        ..Report::default()
+    }
+}
+
+const OVERVIEW: &str = "The predicted onset is a formula, evaluated before anything is drawn; the \
+measured onset is where the subject's own code first shows the event. A row without an onset holds over \
+the whole range.";
+
+fn lead(rows: &[&Row]) -> Vec<String> {
+    let agreeing = rows.iter().filter(|r| r.agrees()).count();
+    let never = rows.iter().filter(|r| r.measured.is_none()).count();
+    let onsets = rows.iter().map(|r| r.relative_error()).filter(|e| e.is_finite());
+    let worst = crate::report::number::percent(onsets.fold(0.0, f64::max), 2);
+    let outside: Vec<_> =
+        rows.iter().filter(|r| !r.agrees()).map(|r| r.forecast.name.as_str()).collect();
+    let mut lead = vec![format!(
+        "{agreeing} of {} rows meet their forecast within {:.0} %; the largest difference of an onset \
+         is {worst}. {never} rows hold over the whole range of their parameter.",
+        rows.len(),
+        AGREEMENT * 100.0
+    )];
+    if !outside.is_empty() {
+        lead.push(format!("Outside: {}.", outside.join(", ")));
+    }
+    lead
+}
+
+fn verdicts(id: &str, stresses: &[Stress]) -> Table {
+    let mut table = Table::new(id, "Every row: where it breaks, and where theory says it does.")
+        .column("row", "", "Name of the row.")
+        .column("verdict", "", "Holds, degrades at, breaks at: as measured.")
+        .column("parameter", "", "What is driven to its extreme.")
+        .column("predicted", "", "Onset by formula, before the run; none where it never happens.")
+        .column("measured", "", "Onset on the subject's code; none where it was not seen.")
+        .column("relative error", "", "|measured − predicted| / predicted.")
+        .column("finding", "", "What happens there, and why.");
+    for stress in stresses {
+        table.rows.extend(stress.rows.iter().map(|row| cells(stress, row)));
+    }
+    table
+}
+
+fn cells(stress: &Stress, row: &Row) -> Vec<Cell> {
+    let to = format!("#{}", stress.id);
+    let error = row.relative_error();
+    let class = if row.agrees() { Colour::Green } else { Colour::Vermilion };
+    vec![
+        Cell::Link { text: row.forecast.name.clone(), to },
+        Cell::Class(class, row.verdict()),
+        stress.parameter.into(),
+        Cell::number(row.forecast.onset),
+        Cell::number(row.measured),
+        Cell::number(error.is_finite().then_some(error)),
+        row.sentence().into(),
+    ]
+}
+
+fn section(stress: &Stress) -> Section {
+    let mut section = Section::new(stress.id, stress.title, stress.lead.as_str());
+    section.push(Block::Plot(plot(stress)));
+    for row in &stress.rows {
+        section.push(format!("{}: {}. {}", row.forecast.name, row.verdict(), row.sentence()));
+    }
+    section
+}
+
+/// Error against the parameter: measured points and, dashed in the same colour, the theory.
+fn plot(stress: &Stress) -> Plot {
+    let series = |(i, row): (usize, &Row)| {
+        let colour = Colour::series(i);
+        let name = row.forecast.name.clone();
+        let theory = Series {
+            name: format!("{name}, theory"),
+            style: Style::Theory,
+            colour,
+            points: row.forecast.theory.clone(),
+        };
+        [theory, Series { name, style: Style::Points, colour, points: row.curve.clone() }]
+    };
+    let marker = |(i, row): (usize, &Row)| {
+        let x = row.forecast.onset?;
+        let label =
+            if stress.rows.len() > 3 { String::new() } else { "onset by theory".to_string() };
+        Some(Marker { x, label, colour: Colour::series(i) })
+    };
+    Plot {
+        id: format!("{}-plot", stress.id),
+        title: stress.title.to_string(),
+        caption: stress.lead.clone(),
+        x: Axis { scale: stress.scale, ..Axis::linear(stress.parameter) },
+        y: Axis::log(stress.error),
+        series: stress.rows.iter().enumerate().flat_map(series).collect(),
+        markers: stress.rows.iter().enumerate().filter_map(marker).collect(),
+    }
+}
+
+fn results(options: &Options, stresses: &[Stress]) -> serde_json::Value {
+    let row = |row: &Row| {
+        let error = row.relative_error();
+        json!({
+            "row": row.forecast.name,
+            "event": row.forecast.event,
+            "formula": row.forecast.formula,
+            "predicted_onset": row.forecast.onset,
+            "measured_onset": row.measured,
+            "relative_error": error.is_finite().then_some(error),
+            "within_5_percent": row.agrees(),
+            "verdict": row.verdict(),
+            "note": row.note,
+            "curve": row.curve,
+            "theory": row.forecast.theory,
+        })
+    };
+    let stress = |s: &Stress| {
+        json!({
+            "stress": s.id,
+            "parameter": s.parameter,
+            "error": s.error,
+            "rows": s.rows.iter().map(row).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "schema": "gnomon-stress-1",
+        "profile": options.profile.name(),
+        "seed": options.seed,
+        "samples": options.samples(),
+        "stresses": stresses.iter().map(stress).collect::<Vec<_>>(),
+    })
+}
