@@ -44,8 +44,8 @@ impl<F: Raw> Kernel for Reduce<'_, F> {
         let mut lanes = Lanes::<F>::default();
         let (rows, rest) = self.decoded.as_chunks::<LANES>();
         for (row, decoded) in rows.iter().enumerate() {
-            for l in 0..LANES {
-                lanes.take(l, decoded[l], self.depth((row * LANES).wrapping_add(l)));
+            for (l, &decoded) in decoded.iter().enumerate() {
+                lanes.take(l, decoded, self.depth((row * LANES).wrapping_add(l)));
             }
         }
         // The rest has accumulators of its own: a run-time index would force the others to memory.

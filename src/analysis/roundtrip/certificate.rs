@@ -293,7 +293,7 @@ fn promises<F: Raw>(trips: &[&dyn RoundTrip<F>]) -> Promises {
 /// differences first, then single steps up while the literal rule still says shadow.
 fn forced_bias<F: Raw>(trips: &[&dyn RoundTrip<F>], worst: Peak) -> f32 {
     let mut bias = (worst.error as f32).next_down().max(0.0);
-    let depths = sampled_depths().into_iter().filter(|&z| z < 1.0).chain([worst.at]);
+    let depths = sampled_depths().iter().copied().filter(|&z| z < 1.0).chain([worst.at]);
     for z in depths {
         for trip in trips {
             let decoded: f64 = trip.decoded(F::from_depth(z)).into();

@@ -7,6 +7,7 @@ use crate::depth::RoundTrip;
 use crate::depth::arith::Raw;
 use crate::simd::Level;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Runs of consecutive floats, one in each stratum of a segment.
 const STRATA: u32 = 512;
@@ -48,8 +49,8 @@ fn strata(segment: Segment) -> Vec<(u32, u32)> {
     (0..STRATA).map(|i| (at(i), at(i) + RUN - 1)).collect()
 }
 
-fn around_boundaries(segment: Segment) -> Vec<(u32, u32)> {
-    let mut centres: Vec<u32> = boundaries().iter().map(|z| z.to_bits()).collect();
+fn around_boundaries(segment: Segment, edges: &[f32]) -> Vec<(u32, u32)> {
+    let mut centres: Vec<u32> = edges.iter().map(|z| z.to_bits()).collect();
     centres.extend([segment.start, segment.end]);
     centres.retain(|bits| (segment.start..=segment.end).contains(bits));
     centres.sort_unstable();
@@ -65,20 +66,40 @@ fn around_boundaries(segment: Segment) -> Vec<(u32, u32)> {
     runs
 }
 
+/// A segment with the runs looked at in it.
+struct Look {
+    segment: Segment,
+    strata: Vec<(u32, u32)>,
+    around: Vec<(u32, u32)>,
+}
+
+fn plan() -> &'static [Look] {
+    static PLAN: OnceLock<Vec<Look>> = OnceLock::new();
+    PLAN.get_or_init(|| {
+        let edges = boundaries();
+        let look = |segment| {
+            let around = around_boundaries(segment, &edges);
+            Look { segment, strata: strata(segment), around }
+        };
+        segments().into_iter().map(look).collect()
+    })
+}
+
 /// The sampled tallies of all segments. Extremes and inversions are those seen; the sums are of the
 /// strata alone, scaled to the whole segment, so that boundaries do not weigh more than they are.
 #[must_use]
 pub fn sample<F: Raw>(trip: &dyn RoundTrip<F>, level: Level) -> Vec<Tally<F>> {
-    let look = |&segment: &Segment| {
-        let tally = |(start, end)| brute::tally(trip, level, start, end);
-        let even = strata(segment).into_iter().map(tally).reduce(beside);
+    let look = |look: &Look| {
+        let tally = |&(start, end): &(u32, u32)| brute::tally(trip, level, start, end);
+        let even = look.strata.iter().map(tally).reduce(beside);
         let even = even.expect("a segment has a float");
-        let scale = (f64::from(segment.end - segment.start) + 1.0) / even.count as f64;
-        let fine = around_boundaries(segment).into_iter().map(tally);
+        let length = f64::from(look.segment.end - look.segment.start) + 1.0;
+        let scale = length / even.count as f64;
+        let fine = look.around.iter().map(tally);
         let seen = fine.fold(even, beside);
         Tally { sum: even.sum * scale, squares: even.squares * scale, ..seen }
     };
-    segments().par_iter().map(look).collect()
+    plan().par_iter().map(look).collect()
 }
 
 /// Joins two runs that are not neighbours.
@@ -103,8 +124,13 @@ fn beside<F: Raw>(a: Tally<F>, b: Tally<F>) -> Tally<F> {
 
 /// Depths at which promises are checked one by one: a few of every stratum, every boundary and its
 /// neighbours.
-pub(super) fn sampled_depths() -> Vec<f32> {
-    let strata = segments().into_iter().flat_map(strata).map(|(start, _)| start).step_by(16);
+pub(super) fn sampled_depths() -> &'static [f32] {
+    static DEPTHS: OnceLock<Vec<f32>> = OnceLock::new();
+    DEPTHS.get_or_init(single_depths)
+}
+
+fn single_depths() -> Vec<f32> {
+    let strata = plan().iter().flat_map(|look| &look.strata).map(|&(start, _)| start).step_by(16);
     let edges = boundaries().into_iter().map(f32::to_bits);
     let around = edges.flat_map(|bits| [bits.saturating_sub(1), bits, (bits + 1).min(ONE)]);
     let mut depths: Vec<u32> = strata.chain(around).collect();

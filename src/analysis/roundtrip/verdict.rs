@@ -46,9 +46,12 @@ pub fn verdict(evidence: Evidence<'_>) -> (Advice, String) {
         faults.push(format!("holds {:.1} bits", certificate.equivalent_bits));
     }
     if lossy {
-        let bits = certificate.equivalent_bits;
-        let stored = 8 * channels;
-        faults.push(format!("keeps {bits:.1} of the {stored} bits it stores"));
+        let (bits, stored) = (certificate.equivalent_bits, 8 * channels);
+        faults.push(if bits < 1.0 {
+            format!("keeps none of the {stored} bits it stores")
+        } else {
+            format!("keeps {bits:.1} of the {stored} bits it stores")
+        });
     }
     if wraps {
         faults.push("turns the far plane into the nearest depth".to_string());

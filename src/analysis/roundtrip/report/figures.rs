@@ -28,7 +28,7 @@ pub(super) fn heat(measured: &Measured) -> Section {
     );
     let errors = measured.dossiers.iter().flat_map(|d| &d.certificates);
     section.push(HeatMap {
-        id: "heat".into(),
+        id: "heat-map".into(),
         title: "Largest error".into(),
         caption: "Stores, samplers and arithmetics across; hardware of each kind exists.".into(),
         row_name: "packing".into(),
@@ -96,16 +96,17 @@ pub(super) fn filters() -> Section {
          of their bytes decodes to, less the blend of their depths. Even where that is exact, an \
          average of depths is not an average of verdicts.",
     );
-    let mut table = Table::new("filter", "Largest error over depths below 1 and all fractions.")
-        .column("packing", "", "")
-        .column("full precision", "window depth", "f32 weights and result, as measured")
-        .column("8-bit result", "window depth", "mip maps, blurred byte targets");
+    let mut table =
+        Table::new("filter-table", "Largest error over depths below 1 and all fractions.")
+            .column("packing", "", "")
+            .column("full precision", "window depth", "f32 weights and result, as measured")
+            .column("8-bit result", "window depth", "mip maps, blurred byte targets");
     let mut images: Vec<(String, Vec<f32>)> = Vec::new();
     for &packing in Packing::ALL.iter().filter(|p| p.original() == **p) {
         let sweep = |result| FilterSweep::new(packing, result, slope, SWEEP.0, SWEEP.1);
         let (full, byte) = (sweep(FilterResult::Full), sweep(FilterResult::Byte));
         let cells = [Cell::Number(full.max(), 3), Cell::Number(byte.max(), 3)];
-        table.push([vec![Cell::Code(packing.to_string())], cells.to_vec()].concat());
+        table.push([vec![packing.name().into()], cells.to_vec()].concat());
         if [Packing::Book, Packing::Aras2009, Packing::ThreeRgba, Packing::Digits24]
             .contains(&packing)
         {
@@ -134,7 +135,8 @@ pub(super) fn resolution() -> Section {
         "resolution",
         "What one step is worth in the world",
         "Length from a stored depth to its neighbour, near 0.1, far 1000; dashed, the format's \
-         quantum times dZ/dd. A bias below this length cannot work.",
+         quantum times dZ/dd. A bias below this length cannot work. In [1/2, 1) f32 steps like unorm24 \
+         and bf16 like unorm8: their lines coincide.",
     );
     let formats = [
         DepthFormat::Unorm8,
@@ -144,7 +146,8 @@ pub(super) fn resolution() -> Section {
         DepthFormat::Bf16,
         DepthFormat::F32,
     ];
-    for &kind in MappingKind::ALL {
+    // Linear depth has the orthographic curve.
+    for &kind in MappingKind::ALL.iter().filter(|&&kind| kind != MappingKind::Linear) {
         let mapping = DepthMapping::new(kind, NEAR, FAR).expect("valid planes");
         section.push(resolution_plot(mapping, &formats));
     }
@@ -180,7 +183,7 @@ fn resolution_plot(mapping: DepthMapping, formats: &[DepthFormat]) -> Plot {
 
 fn resolution_table(formats: &[DepthFormat]) -> Table {
     const DISTANCES: [f64; 5] = [0.2, 1.0, 10.0, 100.0, 900.0];
-    let mut table = Table::new("resolution", "One step in world units at five distances.")
+    let mut table = Table::new("resolution-table", "One step in world units at five distances.")
         .column("mapping", "", "")
         .column("format", "", "");
     for z in DISTANCES {
@@ -191,7 +194,7 @@ fn resolution_table(formats: &[DepthFormat]) -> Table {
         for &format in formats {
             let world = WorldResolution { format, mapping };
             let steps = DISTANCES.iter().map(|&z| Cell::number(world.step_at(z)));
-            let names = [kind.name().into(), Cell::Code(format.to_string())];
+            let names = [kind.name().into(), format.name().into()];
             table.push(names.into_iter().chain(steps).collect());
         }
     }

@@ -20,14 +20,14 @@ fn colour(advice: Advice) -> Colour {
 
 /// One sentence per packing.
 pub(super) fn advice(measured: &Measured) -> Table {
-    let mut table = Table::new("advice", "What to do with each packing, and why.")
+    let mut table = Table::new("advice-table", "What to do with each packing, and why.")
         .column("packing", "", "name on the command line")
         .column("advice", "", "")
         .column("why", "", "")
         .column("where it is from", "", "");
     for dossier in &measured.dossiers {
         table.push(vec![
-            Cell::Code(dossier.name.clone()),
+            dossier.name.as_str().into(),
             Cell::Class(colour(dossier.advice), dossier.advice.to_string()),
             dossier.sentence.clone().into(),
             dossier.about.clone().into(),
@@ -53,7 +53,7 @@ pub(super) fn summary(measured: &Measured) -> Table {
     for dossier in &measured.dossiers {
         let c = &dossier.certificates[0];
         table.push(vec![
-            Cell::Code(dossier.name.clone()),
+            dossier.name.as_str().into(),
             dossier.advice.name().into(),
             Cell::Number(c.max.error, 4),
             Cell::Number(c.max.at.into(), 6),
@@ -77,7 +77,7 @@ pub(super) fn certificates(measured: &Measured) -> Section {
         "Every packing under every store, sampler and arithmetic; bound beside measured where a \
          bound is proved.",
     );
-    let table = Table::new("certificates", "One row per combination.")
+    let table = Table::new("certificate-table", "One row per combination.")
         .column("packing", "", "")
         .column("store", "", "")
         .column("sampler", "", "")
@@ -109,7 +109,7 @@ fn share(promise: crate::analysis::roundtrip::Promise) -> Cell {
 
 fn certificate_row(c: &Certificate) -> Vec<Cell> {
     vec![
-        Cell::Code(c.name.clone()),
+        c.name.as_str().into(),
         c.store.clone().into(),
         c.load.clone().into(),
         c.arithmetic.clone().into(),
@@ -153,7 +153,7 @@ fn ranges(dossiers: &[Dossier]) -> Table {
     }
     for dossier in dossiers {
         let errors = dossier.certificates[0].ranges.iter().map(|r| Cell::Number(r.max.error, 3));
-        table.push(std::iter::once(Cell::Code(dossier.name.clone())).chain(errors).collect());
+        table.push(std::iter::once(dossier.name.as_str().into()).chain(errors).collect());
     }
     table
 }
@@ -176,7 +176,7 @@ fn specials(dossiers: &[Dossier]) -> Table {
     }
     for dossier in dossiers {
         let decoded = dossier.certificates[0].specials.iter().map(|s| s.decoded.as_str().into());
-        table.push(std::iter::once(Cell::Code(dossier.name.clone())).chain(decoded).collect());
+        table.push(std::iter::once(dossier.name.as_str().into()).chain(decoded).collect());
     }
     table
 }
@@ -188,7 +188,7 @@ pub(super) fn formats(measured: &Measured) -> Section {
         "Depth formats",
         "Stored to nearest, read back exactly; f32 is the input itself.",
     );
-    let table = Table::new("formats", "Every float of [0, 1] through each format.")
+    let table = Table::new("format-table", "Every float of [0, 1] through each format.")
         .column("format", "", "");
     let mut table = max_column(table)
         .column("at depth", "", "")
@@ -198,7 +198,7 @@ pub(super) fn formats(measured: &Measured) -> Section {
         .column("evaluated", "", "");
     for c in &measured.formats {
         table.push(vec![
-            Cell::Code(c.name.clone()),
+            c.name.as_str().into(),
             Cell::Number(c.max.error, 5),
             Cell::Number(c.max.at.into(), 9),
             Cell::Number(c.rms, 4),
@@ -219,16 +219,17 @@ pub(super) fn moments() -> Section {
         "A flat surface has no variance; what the storage leaves is false, and the variance floor \
          must cover it.",
     );
-    let mut table = Table::new("moments", "False variance of flat surfaces over 65,536 depths.")
-        .column("moments in", "", "")
-        .column("variance floor", "depth²", "largest false variance")
-        .column("at depth", "", "")
-        .column("deviation", "window depth", "its square root")
-        .column("EVSM exponent below", "", "so that the second moment stays finite");
+    let mut table =
+        Table::new("moment-table", "False variance of flat surfaces over 65,536 depths.")
+            .column("moments in", "", "")
+            .column("variance floor", "depth²", "largest false variance")
+            .column("at depth", "", "")
+            .column("deviation", "window depth", "its square root")
+            .column("EVSM exponent below", "", "so that the second moment stays finite");
     for &store in MomentStore::ALL {
         let precision = moment_precision(store, 65_536);
         table.push(vec![
-            Cell::Code(store.to_string()),
+            store.name().into(),
             Cell::Number(precision.variance_floor, 3),
             Cell::Number(precision.at.into(), 4),
             Cell::Number(precision.deviation, 3),

@@ -4,9 +4,9 @@ vec3 packDepth24(highp float z) {
     highp float scaled = clamp(z, 0.0, 1.0) * 16777215.0;
     highp float code = floor(scaled);
     code += step(0.5, scaled - code); // round; floor(scaled + 0.5) would be wrong above 2^23
-    highp float high = floor(code / 65536.0);
+    highp float high = floor(code * (1.0 / 65536.0));
     code -= high * 65536.0;
-    highp float middle = floor(code / 256.0);
+    highp float middle = floor(code * (1.0 / 256.0));
     return vec3(high, middle, code - middle * 256.0) / 255.0;
 }
 

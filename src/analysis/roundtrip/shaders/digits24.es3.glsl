@@ -2,9 +2,9 @@
 // Write the result to an RGB(A)8 target, blending and dithering off, read it with NEAREST.
 vec3 packDepth24(highp float z) {
     highp float code = round(clamp(z, 0.0, 1.0) * 16777215.0);
-    highp float high = floor(code / 65536.0);
+    highp float high = floor(code * (1.0 / 65536.0));
     code -= high * 65536.0;
-    highp float middle = floor(code / 256.0);
+    highp float middle = floor(code * (1.0 / 256.0));
     return vec3(high, middle, code - middle * 256.0) / 255.0;
 }
 

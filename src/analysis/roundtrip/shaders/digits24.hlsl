@@ -3,9 +3,9 @@
 float3 PackDepth24(float z)
 {
     float code = round(saturate(z) * 16777215.0);
-    float high = floor(code / 65536.0);
+    float high = floor(code * (1.0 / 65536.0));
     code -= high * 65536.0;
-    float middle = floor(code / 256.0);
+    float middle = floor(code * (1.0 / 256.0));
     return float3(high, middle, code - middle * 256.0) / 255.0;
 }
 

@@ -2,9 +2,9 @@
 // Write the result to an rgba8unorm target without blending, read it with textureLoad.
 fn pack_depth_24(z: f32) -> vec3f {
     var code = round(clamp(z, 0.0, 1.0) * 16777215.0);
-    let high = floor(code / 65536.0);
+    let high = floor(code * (1.0 / 65536.0));
     code -= high * 65536.0;
-    let middle = floor(code / 256.0);
+    let middle = floor(code * (1.0 / 256.0));
     return vec3f(high, middle, code - middle * 256.0) / 255.0;
 }
 
