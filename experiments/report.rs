@@ -1,14 +1,119 @@
 //! How much acne and peter-panning do the documents' systems have, and why?
-fn main() {
-    let step = std::env::args().nth(1).and_then(|s| s.parse().ok()).unwrap_or(4);
-    for case in gnomon::scene::cases::all() {
-        let t = std::time::Instant::now();
-        let m = gnomon::analysis::measure::measure(&case, step);
-        println!(
-            "{} {:?}\n{}",
-            case.name,
-            t.elapsed(),
-            serde_json::to_string(&m.measurement).unwrap()
-        );
+
+use clap::{Args, Parser, Subcommand};
+use gnomon::analysis::documents::{self, Options, Which};
+use gnomon::analysis::explain::explain;
+use gnomon::analysis::observe::Observer;
+use gnomon::device::DeviceProfile;
+use gnomon::harness::{self, Common, Progress};
+use gnomon::scene::fit::UserScene;
+use gnomon::{Error, Result};
+use std::process::ExitCode;
+
+/// Measures the shadow-map systems of five WebGL documents against a ray-traced truth and writes a
+/// report: how much acne and peter-panning each has, and why.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    after_help = "Examples:
+  gnomon-report                                  all cases, report in reports/documents/
+  gnomon-report --quick --out /tmp/quick         every 4th pixel
+  gnomon-report --case upc --json -              one case, numbers on stdout
+  gnomon-report --scene model.glb --light-dir 1,-2,0.5 --map 1024 --bias 0.001
+  gnomon-report --device ideal                   the same systems on correctly rounded hardware
+  gnomon-report explain --case upc --pixel 200,150
+Exit codes: 0 done, 2 bad input, 4 cannot write, 130 interrupted."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    what: What,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
+struct What {
+    /// Only this case
+    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
+    case: Option<String>,
+    #[command(flatten)]
+    scene: UserScene,
+    /// Measure on this device profile instead of each case's own
+    #[arg(long, value_name = "PROFILE")]
+    device: Option<DeviceProfile>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Print one receiver's whole chain: coordinates, texels, all rungs, cause
+    Explain {
+        /// The case
+        #[arg(long, value_name = "NAME")]
+        case: String,
+        /// Pixel from the bottom left
+        #[arg(long, value_name = "X,Y", value_parser = pixel)]
+        pixel: [u32; 2],
+        /// Device profile instead of the case's own
+        #[arg(long, value_name = "PROFILE")]
+        device: Option<DeviceProfile>,
+    },
+}
+
+fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
+    let parsed = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+    parsed.ok_or_else(|| format!("'{text}' is no pixel; give two whole numbers such as 200,150"))
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    harness::run(|| match arguments.command {
+        Some(Command::Explain { case, pixel, device }) => print_chain(case, pixel, device),
+        None => measure(&arguments.common, arguments.what),
+    })
+}
+
+fn measure(common: &Common, what: What) -> Result<()> {
+    common.start()?;
+    let options = Options {
+        profile: common.profile(),
+        seed: common.seed,
+        which: match (what.scene.case()?, what.case) {
+            (Some(own), _) => Which::Own(Box::new(own)),
+            (None, Some(name)) => Which::Named(name),
+            (None, None) => Which::All,
+        },
+        device: what.device,
+    };
+    let progress = Progress::new(options.cases()?.len(), "measuring");
+    let report = documents::report(&options, || progress.step())?;
+    progress.finish();
+    common.finish(&report)?;
+    Ok(())
+}
+
+fn print_chain(case: String, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {
+    let options =
+        Options { profile: Default::default(), seed: 0, which: Which::Named(case), device };
+    let case = options.cases()?.remove(0);
+    let [width, height] = case.canvas;
+    if x >= width || y >= height {
+        return Err(Error::bad_input(
+            format!("--pixel {x},{y}"),
+            format!("lies outside the canvas of {width} x {height}"),
+            "count from 0 at the bottom left",
+        ));
     }
+    let observer = Observer::new(&case, &case.device.device());
+    let text = explain(&observer, x, y).ok_or_else(|| {
+        Error::bad_input(
+            format!("--pixel {x},{y}"),
+            "is background: nothing is drawn there",
+            "choose a pixel on a surface",
+        )
+    })?;
+    harness::print(&text)
 }

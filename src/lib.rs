@@ -1,4 +1,51 @@
-//! gnomon
+//! # gnomon
+//!
+//! The part of a sundial that casts the shadow: a precision and artifact analysis toolkit for shadow
+//! maps. It says which depth encodings lose bits, which bias a scene needs, how much acne and
+//! peter-panning remain, and **why**, against a ray-traced truth.
+//!
+//! ## Pipeline
+//! A [`scene::Case`] names objects, light, camera, map, look-up and bias.
+//! [`raster::passes::Subject`] draws it in the subject's own f32 arithmetic on a [`device::Device`]
+//! (map pass, camera pass, [`shadow::ShadowMap`]). [`truth::Tracer`] answers in f64 what each receiver
+//! really sees. [`analysis::observe::Observer`] judges every receiver on a ladder of rungs and names
+//! artifact and cause; [`analysis::curve::Curve`] gives the errors at *every* constant bias from one
+//! pass. A [`report::Report`] is plain data; files are written from it.
+//!
+//! ## Layers
+//! A lower layer never imports a higher one, and siblings of L4 never import each other; a test holds
+//! this.
+//!
+//! | layer | modules |
+//! |---|---|
+//! | L0 | [`error`], [`catalogue`](mod@catalogue), [`num`], [`simd`] (the only `unsafe`) |
+//! | L1 | [`depth`] (mappings, formats, packings, stores), [`view`] (matrices) |
+//! | L2 | [`device`], [`light`], [`camera`] |
+//! | L3 | [`scene`] (meshes, cases, the words of a pipeline) |
+//! | L4 | [`shadow`] (the subject's map, look-ups, biases), [`truth`] (f64, exact signs): they share inputs, never code |
+//! | L5 | [`raster`] (coverage, planes, passes) |
+//! | L6 | [`report`], [`output`]: data and writers, they know nothing of shadows |
+//! | L7 | [`analysis`], [`conformance`] |
+//! | L8 | [`harness`] (what the binaries share) |
+//!
+//! ## Conventions
+//! - Right-handed, y up, views look down −z. Matrices are `a_from_b` and names cancel.
+//! - Clip space is OpenGL's; window depth is always in [0,1]. Texel (0,0) is the lowest u, v; PNG and
+//!   EXR are written top row first.
+//! - The subject is f32 with its order of operations spelled out, the truth is f64. Inputs are
+//!   f32-exact, so that a difference is always error.
+//! - A bias is positive where it repairs acne, whatever sign a document writes.
+//! - Depth differences are window depth unless a name says world, texels or codes.
+//! - The same seed gives the same bytes with any number of threads and any SIMD level: only
+//!   + − × ÷ √ and integers, other functions through `libm`.
+//!
+//! ## Why it is so
+//! *Why no generic number type?* Subject and truth must not share code, or they would share errors.
+//! *Why encode after the depth test?* A sound encode is monotone, so one raster serves every format;
+//! what is not monotone (a packing under a 16-bit attachment) is modelled as it is.
+//! *Why is ambiguous a value?* A ray through a silhouette has no answer in f64; a guess would be
+//! counted as somebody's error.
+
 pub mod analysis;
 pub mod camera;
 pub mod catalogue;
@@ -18,4 +65,5 @@ pub mod shadow;
 pub mod simd;
 pub mod truth;
 pub mod view;
+
 pub use error::{Error, Result};

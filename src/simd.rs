@@ -57,7 +57,7 @@ impl Level {
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         assert!(self <= Self::best(), "this machine has no {self}");
         match self {
-            Self::Baseline => kernel.run(),
+            Self::Baseline => kernel.run(false),
             // SAFETY: `best` has verified every feature that the function is compiled for.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { run_avx2(kernel) },
@@ -75,20 +75,20 @@ impl Level {
 pub trait Kernel {
     /// What it returns.
     type Output;
-    /// Does the work.
-    fn run(self) -> Self::Output;
+    /// Does the work. `has_fma` is a constant of the level: whether `mul_add` is one instruction.
+    fn run(self, has_fma: bool) -> Self::Output;
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    kernel.run(true)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
 fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    kernel.run(true)
 }
 
 #[cfg(test)]
@@ -100,7 +100,7 @@ mod tests {
     impl Kernel for Sum<'_> {
         type Output = f32;
         #[inline(always)]
-        fn run(self) -> f32 {
+        fn run(self, _: bool) -> f32 {
             self.0.iter().map(|x| (x * 255.0).floor()).sum()
         }
     }

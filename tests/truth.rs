@@ -149,7 +149,7 @@ fn receivers_on_a_convex_surface_are_lit_or_behind_it() {
     for _ in 0..50_000 {
         let id = random.index(mesh.triangles.len()) as u32;
         let mut position = on_triangle(&mesh, id, &mut random);
-        if random.bits() % 4 == 0 {
+        if random.bits().is_multiple_of(4) {
             position = mesh.corners(id)[0];
         }
         let [a, b, c] = mesh.corners(id);

@@ -9,15 +9,16 @@ use rayon::prelude::*;
 /// Distance of the eight neighbours from the receiver in map texels.
 const REACH: f64 = 1.5;
 
-/// For each observation: whether it counts and nine light rays (its own and eight around it at 1.5 map
-/// texels) hit the same object first.
+/// For each observation: whether nine light rays (its own and eight around it at 1.5 map texels) hit
+/// the same object first. Receivers outside the map or of undecided truth are never interior;
+/// receivers facing away from the light may be.
 #[must_use]
 pub fn interior(observer: &Observer<'_>, observations: &[Observation]) -> Vec<bool> {
     observations.par_iter().map(|o| is_interior(observer, o)).collect()
 }
 
 fn is_interior(observer: &Observer<'_>, o: &Observation) -> bool {
-    if o.standing != Standing::Counted {
+    if !matches!(o.standing, Standing::Counted | Standing::FacingAway) || !in_map(o) {
         return false;
     }
     let texel = 1.0 / f64::from(observer.case().map.size);
@@ -40,4 +41,8 @@ fn is_interior(observer: &Observer<'_>, o: &Observation) -> bool {
         [1.0, 0.0],
     ];
     AROUND.iter().all(|&[dx, dy]| object(dx, dy) == Some(centre))
+}
+
+fn in_map(o: &Observation) -> bool {
+    o.exact.min_element() >= 0.0 && o.exact.max_element() <= 1.0
 }

@@ -1,164 +1,18 @@
-//! A case measured: counts, rates, causes, thresholds and lengths, as they stand in `results.json`.
+//! Measuring a case: observe its receivers, then count, rate and name.
 
-use super::classify::{Artifact, Outcome};
-use super::curve::{Curve, Errors, Thresholds};
+use super::classify::Artifact;
+use super::curve::{Curve, Thresholds};
 use super::interior::interior;
 use super::ladder::Rung;
+use super::measurement::{
+    Gap, InteriorTotal, Length, Measurement, Samples, ShadowInterior, Tally, Wrongs,
+};
 use super::observe::{Observation, Observer, Standing};
 use super::walk::Walk;
 use crate::raster::NO_TRIANGLE;
-use crate::scene::{Case, Fact};
+use crate::scene::Case;
 use crate::truth::Truth;
-use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// Receivers by standing. All but `counted` stay out of the rates.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Samples {
-    /// Pixels looked at: the sum of all below.
-    pub pixels: u64,
-    /// Nothing drawn.
-    pub background: u64,
-    /// In the rates.
-    pub counted: u64,
-    /// Truth undecided.
-    pub ambiguous: u64,
-    /// Surface faces away from the light.
-    pub facing_away: u64,
-    /// Outside the spot's cone.
-    pub outside_cone: u64,
-    /// Outside the map's volume.
-    pub outside_map: u64,
-    /// Of those outside the map: the look-up says shadowed nevertheless.
-    pub outside_map_shadowed: u64,
-    /// Triangles that met a counted receiver itself.
-    pub touching: u64,
-}
-
-/// One kind of wrong verdict.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Wrongs {
-    /// Receivers with a wrong verdict.
-    pub count: u64,
-    /// Their share of the truly lit (or shadowed) receivers.
-    pub rate: f64,
-    /// Σ|v − truth|.
-    pub weight: f64,
-    /// By the first rung from which the verdict stays wrong.
-    pub by_cause: BTreeMap<&'static str, u64>,
-    /// By what it is called.
-    pub by_artifact: BTreeMap<&'static str, u64>,
-}
-
-/// Counts of one object's receivers.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Tally {
-    /// Truly lit.
-    pub lit: u64,
-    /// Truly shadowed.
-    pub shadowed: u64,
-    /// Of the lit: wrong.
-    pub false_shadow: u64,
-    /// Of the shadowed: wrong.
-    pub false_light: u64,
-    /// Of the lit: wrong without any bias.
-    pub false_shadow_without_bias: u64,
-}
-
-impl Tally {
-    fn add(&mut self, o: &Observation) {
-        match o.truly_lit() {
-            Some(true) => self.lit += 1,
-            Some(false) => self.shadowed += 1,
-            None => {}
-        }
-        match o.outcome {
-            Outcome::FalseShadow(_) => self.false_shadow += 1,
-            Outcome::FalseLight(_) => self.false_light += 1,
-            Outcome::Agree => {}
-        }
-        let dark_without_bias = o.breakpoints.iter().any(|&b| b > 0.0);
-        self.false_shadow_without_bias +=
-            u64::from(o.truly_lit() == Some(true) && dark_without_bias);
-    }
-}
-
-/// Exact depth differences between truly shadowed receivers and their first occluder.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Gap {
-    /// Smallest, window depth.
-    pub min: f64,
-    /// Largest, window depth.
-    pub max: f64,
-}
-
-/// A length on the receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Length {
-    /// World units.
-    pub world: f64,
-    /// Texels of the map at the receiver.
-    pub texels: f64,
-}
-
-/// Everything measured of one case at its own bias.
-#[derive(Clone, Debug, Serialize)]
-pub struct Measurement {
-    /// The case's name.
-    pub name: String,
-    /// Its document.
-    pub document: String,
-    /// Device profile.
-    pub device: &'static str,
-    /// Map side in texels.
-    pub map_size: u32,
-    /// Format or packing of a texel.
-    pub format: &'static str,
-    /// Filter.
-    pub filter: &'static str,
-    /// Comparison rule.
-    pub compare: &'static str,
-    /// The document's bias; positive repairs acne.
-    pub bias: f32,
-    /// Receivers by standing.
-    pub samples: Samples,
-    /// Truly lit receivers.
-    pub lit: u64,
-    /// Truly shadowed receivers.
-    pub shadowed: u64,
-    /// Truth lit, map says shadowed.
-    pub false_shadow: Wrongs,
-    /// Truth shadowed, map says lit.
-    pub false_light: Wrongs,
-    /// Counts of wrong verdicts on each rung.
-    pub wrong_on_rung: BTreeMap<&'static str, u64>,
-    /// Errors without any bias.
-    pub without_bias: Errors,
-    /// Largest breakpoint of acne, smallest of lost shadow.
-    pub thresholds: Thresholds,
-    /// detachment − critical.
-    pub headroom: Option<f64>,
-    /// Exact depth gaps of the truly shadowed.
-    pub exact_gap: Option<Gap>,
-    /// Receivers away from every edge, by object.
-    pub interior: BTreeMap<String, Tally>,
-    /// All receivers, by object.
-    pub by_object: BTreeMap<String, Tally>,
-    /// Objects whose whole shadow is gone although it covers counted receivers.
-    pub lost_shadows: Vec<String>,
-    /// Longest falsely lit strip by peter-panning.
-    pub peter_panning: Option<Length>,
-    /// Mean distance of acne stripes without bias.
-    pub stripe_period: Option<Length>,
-    /// Map texels in which the pass' depth attachment keeps another triangle than a float one.
-    pub misordered_texels: u64,
-    /// What the document leaves open.
-    pub assumptions: Vec<String>,
-    /// Known facts.
-    pub facts: Vec<Fact>,
-    /// One sentence.
-    pub verdict: String,
-}
 
 /// A measured case with the receivers behind the numbers.
 #[derive(Debug)]
@@ -193,8 +47,10 @@ fn summarize(
     let [lit, shadowed] = curve.populations();
     let thresholds = Thresholds::of(observations);
     let inside = interior(observer, observations);
-    let interior =
-        by_object(case, observations.iter().zip(inside).filter(|(_, i)| *i).map(|(o, _)| o));
+    let interior: Vec<&Observation> =
+        observations.iter().zip(inside).filter(|(_, inside)| *inside).map(|(o, _)| o).collect();
+    let shadow_interior = ShadowInterior::of(case, interior.iter().copied());
+    let interior = by_object(case, interior.into_iter());
     let mut measurement = Measurement {
         name: case.name.clone(),
         document: case.document.clone(),
@@ -214,7 +70,9 @@ fn summarize(
         headroom: thresholds.headroom(),
         thresholds,
         exact_gap: exact_gap(observations),
+        interior_total: InteriorTotal::of(&interior),
         interior,
+        shadow_interior,
         by_object: by_object(case, observations.iter()),
         lost_shadows: lost_shadows(observer, observations),
         peter_panning: peter_panning(observer, observations),

@@ -1,7 +1,7 @@
 //! The arith section: shader expressions, bit by bit.
 //!
 //! `pow` and `exp` are left out: the measured implementation does not round them correctly and no
-//! part of the pipeline uses them. `deriv` is a property of pixel quads, not of arithmetic.
+//! part of the pipeline uses them.
 
 use super::outcome::{Entry, Tally};
 use super::{dump, json};
@@ -99,6 +99,7 @@ pub(super) fn compare(folder: &Path, device: &Device) -> Result<Vec<Entry>> {
         entries.push(tally.finish());
     }
     entries.push(mixes(&a, &b, read("mix_clamp.bin")?.as_deref()));
+    entries.push(derivatives(read("deriv.bin")?.as_deref()));
     Ok(entries)
 }
 
@@ -114,6 +115,31 @@ fn mixes(a: &[f32], b: &[f32], expected: Option<&[f32]>) -> Entry {
             a[0].clamp(0.0, 1.0),
             t * t * (3.0 - 2.0 * t),
             f32::from(u8::from(a[1] >= a[0])),
+        ];
+        for (c, (&want, found)) in want.iter().zip(found).enumerate() {
+            tally.float(|| format!("[{i}] channel {c}"), want, found);
+        }
+    }
+    tally.finish()
+}
+
+/// Pixels per row of the target on which derivatives were dumped.
+const ROW: usize = 64;
+
+/// dFdx(0.1·x), dFdy(y²) and fwidth(x·y) of `gl_FragCoord`: differences within 2×2 quads, taken from
+/// the quad's lower left pixel.
+fn derivatives(expected: Option<&[f32]>) -> Entry {
+    let Some(expected) = expected else { return Tally::missing(SECTION, "deriv.bin") };
+    let mut tally = Tally::new(SECTION, "deriv.bin");
+    for (i, want) in expected.chunks_exact(4).enumerate() {
+        let centre = |pixel: usize| pixel as f32 + 0.5;
+        let (x, y) = (i % ROW / 2 * 2, i / ROW / 2 * 2);
+        let (x0, x1, y0, y1) = (centre(x), centre(x + 1), centre(y), centre(y + 1));
+        let found = [
+            x1 * 0.1 - x0 * 0.1,
+            y1 * y1 - y0 * y0,
+            (x1 * y0 - x0 * y0).abs() + (x0 * y1 - x0 * y0).abs(),
+            0.0,
         ];
         for (c, (&want, found)) in want.iter().zip(found).enumerate() {
             tally.float(|| format!("[{i}] channel {c}"), want, found);

@@ -1,6 +1,9 @@
 //! Depth formats: window depth → code → window depth, and the smallest resolvable difference r.
 
+use super::arith::Raw;
+use super::roundtrip::RoundTrip;
 use super::store::{UnormLoad, UnormStore};
+use crate::simd::Level;
 
 crate::catalogue! {
     /// How a window depth is stored in one texel of a depth texture.
@@ -15,6 +18,8 @@ crate::catalogue! {
         Unorm32 = "unorm32",
         /// IEEE half precision.
         F16 = "f16",
+        /// bfloat16: the upper half of a single-precision float.
+        Bf16 = "bf16",
         /// IEEE single precision.
         F32 = "f32",
     }
@@ -29,7 +34,7 @@ impl DepthFormat {
             Self::Unorm16 => Some(0xffff),
             Self::Unorm24 => Some(0xff_ffff),
             Self::Unorm32 => Some(u32::MAX),
-            Self::F16 | Self::F32 => None,
+            Self::F16 | Self::Bf16 | Self::F32 => None,
         }
     }
 
@@ -47,6 +52,7 @@ impl DepthFormat {
         match (self, self.unorm_max()) {
             (_, Some(max)) => store.code(depth, max),
             (Self::F16, None) => u32::from(half::f16::from_f32(clamped).to_bits()),
+            (Self::Bf16, None) => u32::from(half::bf16::from_f32(clamped).to_bits()),
             (_, None) => clamped.to_bits(),
         }
     }
@@ -63,6 +69,7 @@ impl DepthFormat {
         match (self, self.unorm_max()) {
             (_, Some(max)) => load.value(code, max),
             (Self::F16, None) => half::f16::from_bits(code as u16).to_f32(),
+            (Self::Bf16, None) => half::bf16::from_bits(code as u16).to_f32(),
             (_, None) => f32::from_bits(code),
         }
     }
@@ -77,6 +84,74 @@ impl DepthFormat {
                 (f64::from(self.decode(code + 1)) - f64::from(self.decode(code))).abs()
             }
         }
+    }
+}
+
+/// A format with its store and sampler as a round trip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FormatTrip {
+    /// The format.
+    pub format: DepthFormat,
+    /// How a UNORM code is made.
+    pub store: UnormStore,
+    /// How a UNORM code is read.
+    pub load: UnormLoad,
+}
+
+impl FormatTrip {
+    /// The code of a depth; monotone.
+    #[must_use]
+    pub fn code(self, depth: f32) -> u32 {
+        self.format.encode_with(self.store, depth)
+    }
+
+    /// The decoded value of a code, in f64 as well where the sampler is exact.
+    #[must_use]
+    pub fn value<F: Raw>(self, code: u32) -> F {
+        match self.format.unorm_max() {
+            Some(max) if self.load == UnormLoad::Divide => {
+                F::from_real(f64::from(code) / f64::from(max))
+            }
+            _ => F::from_depth(self.format.decode_with(self.load, code)),
+        }
+    }
+
+    /// About the last depth that has the code (a starting point, not a promise).
+    #[must_use]
+    pub fn end_of(self, code: u32) -> f32 {
+        let reach = if self.store == UnormStore::Truncate { 1.0 } else { 0.5 };
+        match self.format.unorm_max() {
+            Some(max) => ((f64::from(code) + reach) / f64::from(max)) as f32,
+            None => {
+                let (low, high) = (self.format.decode(code), self.format.decode(code + 1));
+                low + (high - low) / 2.0
+            }
+        }
+    }
+}
+
+impl<F: Raw> RoundTrip<F> for FormatTrip {
+    fn run(&self, _: Level, first: u32, out: &mut [F]) {
+        for (bits, slot) in (first..).zip(out) {
+            *slot = self.value(self.code(f32::from_bits(bits)));
+        }
+    }
+    fn constant(&self, first: u32, last: u32) -> Option<F> {
+        let code = self.code(f32::from_bits(first));
+        (code == self.code(f32::from_bits(last))).then(|| self.value(code))
+    }
+    fn texel(&self, _: F) -> Vec<u8> {
+        Vec::new()
+    }
+    fn decoded(&self, depth: F) -> F {
+        let depth: f64 = depth.into();
+        self.value(self.code(depth as f32))
+    }
+    fn is_sound(&self, _: F) -> bool {
+        true
+    }
+    fn unpack(&self, channels: [F; 4]) -> F {
+        channels[0]
     }
 }
 

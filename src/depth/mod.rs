@@ -8,7 +8,7 @@ pub mod roundtrip;
 pub mod store;
 
 pub use arith::Arithmetic;
-pub use format::DepthFormat;
+pub use format::{DepthFormat, FormatTrip};
 pub use mapping::{DepthMapping, MappingKind};
 pub use packing::Packing;
 pub use roundtrip::RoundTrip;

@@ -25,6 +25,9 @@ pub trait RoundTrip<F: Raw>: Send + Sync {
 
     /// False where an operation on the way overflows or is undefined.
     fn is_sound(&self, depth: F) -> bool;
+
+    /// The depth of channel values as a filter blends them.
+    fn unpack(&self, channels: [F; 4]) -> F;
 }
 
 /// A pair in arithmetic `A`, with its store and sampler.
@@ -39,7 +42,8 @@ struct Through<P, A: Shader> {
 /// fl(k·scale) + fl(k·rest) where it is `linear`, else a table.
 ///
 /// f32(k/255) has the linear form too: with scale = 1/255 to 16 bits, k·scale is exact (8 + 16 = 24
-/// bits), and the sum is wrong by less than 2⁻⁴⁰ before its one rounding; a test compares all 256.
+/// bits), and the sum is wrong by less than 2⁻⁴⁰ before its one rounding, fused or not; a test
+/// compares all 256.
 #[derive(Clone, Debug)]
 struct Texture<F> {
     even: bool,
@@ -101,14 +105,14 @@ struct Run<'a, P, A: Shader, const EVEN: bool> {
 impl<P: Pair, A: Shader, const EVEN: bool> Kernel for Run<'_, P, A, EVEN> {
     type Output = ();
     #[inline(always)]
-    fn run(self) {
+    fn run(self, has_fma: bool) {
         for (i, slot) in self.out.iter_mut().enumerate() {
             let z = f32::from_bits(self.first.wrapping_add(i as u32));
             let packed = self.pair.pack(A::enter(A::Raw::from_depth(z)));
             let sampled = packed.map(|c| {
                 let x = c.leave();
                 let byte = if EVEN { x.byte_even() } else { x.byte_floor(self.half) };
-                A::enter(byte.times(self.scale).plus(byte.times(self.rest)))
+                A::enter(byte.product_sum(self.scale, self.rest, has_fma))
             });
             *slot = self.pair.unpack(sampled).leave();
         }
@@ -188,6 +192,67 @@ impl<P: Pair, A: Shader + Send + Sync> RoundTrip<A::Raw> for Through<P, A> {
         let packed = self.pair.pack(A::enter(depth));
         packed.iter().all(|c| c.is_sound()) && self.through(A::enter(depth)).is_sound()
     }
+
+    fn unpack(&self, channels: [A::Raw; 4]) -> A::Raw {
+        self.pair.unpack(channels.map(A::enter)).leave()
+    }
+}
+
+/// A user's own pair as Rust closures, in f32. Nothing can be proved about a closure, so
+/// [`RoundTrip::constant`] never answers and exhaustive runs evaluate every float.
+#[allow(missing_debug_implementations, reason = "holds closures")]
+pub struct Closures<P, U> {
+    pack: P,
+    unpack: U,
+    channels: usize,
+    texture: Texture<f32>,
+}
+
+impl<P, U> Closures<P, U>
+where
+    P: Fn(f32) -> [f32; 4] + Send + Sync,
+    U: Fn([f32; 4]) -> f32 + Send + Sync,
+{
+    /// `channels` of the four that `pack` returns are stored by `rounding`, read by `load` and given
+    /// to `unpack`.
+    pub fn new(
+        channels: usize,
+        rounding: ByteRounding,
+        load: UnormLoad,
+        pack: P,
+        unpack: U,
+    ) -> Self {
+        Self { pack, unpack, channels, texture: Texture::new(rounding, load, false) }
+    }
+}
+
+impl<P, U> RoundTrip<f32> for Closures<P, U>
+where
+    P: Fn(f32) -> [f32; 4] + Send + Sync,
+    U: Fn([f32; 4]) -> f32 + Send + Sync,
+{
+    fn run(&self, _: Level, first: u32, out: &mut [f32]) {
+        for (bits, slot) in (first..).zip(out) {
+            *slot = self.decoded(f32::from_bits(bits));
+        }
+    }
+    fn constant(&self, _: u32, _: u32) -> Option<f32> {
+        None
+    }
+    fn texel(&self, depth: f32) -> Vec<u8> {
+        let packed = (self.pack)(depth);
+        packed.iter().take(self.channels).map(|&c| self.texture.stored(c).byte()).collect()
+    }
+    fn decoded(&self, depth: f32) -> f32 {
+        let sample = |c: f32| self.texture.sampled(self.texture.stored(c));
+        (self.unpack)((self.pack)(depth).map(sample))
+    }
+    fn is_sound(&self, depth: f32) -> bool {
+        (self.pack)(depth).iter().all(|c| c.is_finite())
+    }
+    fn unpack(&self, channels: [f32; 4]) -> f32 {
+        (self.unpack)(channels)
+    }
 }
 
 /// A round trip decoded to f32, or to f64 beside real values.
@@ -250,16 +315,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_products_give_the_correctly_rounded_quotient_for_every_byte() {
-        let (scale, rest) = scale_and_rest::<f32>(UnormLoad::Divide);
-        for k in 0..=255u32 {
-            let value = k as f32 * scale + k as f32 * rest;
-            assert_eq!(value, UnormLoad::Divide.value(k, 255), "byte {k}");
-        }
-        let (scale, rest) = scale_and_rest::<f32>(UnormLoad::Reciprocal);
-        for k in 0..=255u32 {
-            let value = k as f32 * scale + k as f32 * rest;
-            assert_eq!(value, UnormLoad::Reciprocal.value(k, 255), "byte {k}");
+    fn two_products_give_every_sampled_byte() {
+        for load in [UnormLoad::Divide, UnormLoad::Reciprocal] {
+            let (scale, rest) = scale_and_rest::<f32>(load);
+            for (k, fused) in (0..=255u32).flat_map(|k| [(k, false), (k, true)]) {
+                let value = (k as f32).product_sum(scale, rest, fused);
+                assert_eq!(value, load.value(k, 255), "byte {k}, {load}, fused {fused}");
+            }
         }
     }
 }

@@ -154,6 +154,9 @@ impl Setup {
         mut span: impl FnMut(u32, u32, u32),
     ) -> bool {
         let mut any = false;
+        if !self.depth.is_finite() {
+            return false;
+        }
         if let Some(outline) = self.projected.outline(device, cull) {
             outline.spans(size, |y, first, end| {
                 any = true;

@@ -57,6 +57,16 @@ impl Plane {
         }
     }
 
+    /// False for the plane of a triangle without area in space or with a vertex in the eye's plane
+    /// (w = 0 without clipping): it has no depth and is not drawn.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        match *self {
+            Self::Exact { coefficients } => coefficients.is_finite(),
+            Self::Measured { gradient: [a, b], constant, .. } => (a + b + constant).is_finite(),
+        }
+    }
+
     /// The plane moved by a constant, as polygon offset does before a fragment's depth is formed.
     #[must_use]
     pub fn moved(self, by: f32) -> Self {

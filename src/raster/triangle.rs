@@ -16,18 +16,23 @@ pub struct Projected {
     viewport: [u32; 2],
 }
 
-/// Sub-pixel position of a clip-space point.
+/// Vertices beside a clipped one may project anywhere; beyond this their place no longer matters.
+const FARTHEST: f64 = (1u64 << 40) as f64;
+
+/// Sub-pixel position of a clip-space point, within ±2⁴⁰.
 fn snap(device: &Device, viewport: [u32; 2], v: Vec4) -> [i64; 2] {
     let half = (1u32 << (device.subpixel_bits - 1)) as f32;
     let axis = |x: f32, size: u32| match device.setup {
         PlaneSetup::Measured => {
             let scale = half * size as f32;
-            ((scale - half) + (x * (1.0 / v.w)) * scale).round_ties_even() as i64
+            let place = (scale - half) + (x * (1.0 / v.w)) * scale;
+            f64::from(place.round_ties_even()).clamp(-FARTHEST, FARTHEST) as i64
         }
         PlaneSetup::Exact => {
             let scale = f64::from(half) * f64::from(size);
             let ndc = f64::from(x) / f64::from(v.w);
-            (scale - f64::from(half) + ndc * scale).round_ties_even() as i64
+            let place = scale - f64::from(half) + ndc * scale;
+            place.round_ties_even().clamp(-FARTHEST, FARTHEST) as i64
         }
     };
     [axis(v.x, viewport[0]), axis(v.y, viewport[1])]

@@ -3,7 +3,10 @@
 //! Experiments fill a [`Report`]; [`Report::write`] turns it into one self-contained page and the
 //! files behind it. Nothing here knows what is measured. Texts are plain text, never HTML.
 
+mod blob;
+pub mod explorer;
 mod exr;
+pub mod gpu;
 mod heatmap;
 mod image;
 mod index;
@@ -16,7 +19,9 @@ mod write;
 
 use std::collections::BTreeMap;
 
+pub use explorer::Explorer;
 pub use exr::ExrImage;
+pub use gpu::GpuPanel;
 pub use heatmap::HeatMap;
 pub use image::Picture;
 pub use index::write_index;
@@ -119,6 +124,10 @@ pub enum Block {
     Findings(Vec<Finding>),
     /// An image of measured values for viewers outside, linked from the page.
     Exr(ExrImage),
+    /// A picture whose classes follow a slider.
+    Explorer(Explorer),
+    /// Shaders that the reader runs on their own GPU.
+    Gpu(GpuPanel),
 }
 
 /// A claim, the numbers and the sentence that follows from them.
@@ -183,6 +192,8 @@ impl Block {
             Self::HeatMap(map) => Some(&map.id),
             Self::Picture(picture) => Some(&picture.id),
             Self::Exr(image) => Some(&image.id),
+            Self::Explorer(explorer) => Some(&explorer.id),
+            Self::Gpu(panel) => Some(&panel.id),
             Self::Text(_) | Self::Row(_) | Self::Code { .. } | Self::Findings(_) => None,
         }
     }
@@ -204,11 +215,17 @@ macro_rules! block_from {
         })+
     };
 }
-block_from!(Table, Plot, HeatMap, Picture);
+block_from!(Table, Plot, HeatMap, Picture, Explorer);
 
 impl From<ExrImage> for Block {
     fn from(image: ExrImage) -> Self {
         Self::Exr(image)
+    }
+}
+
+impl From<GpuPanel> for Block {
+    fn from(panel: GpuPanel) -> Self {
+        Self::Gpu(panel)
     }
 }
 

@@ -34,6 +34,8 @@ pub(super) struct Figure {
     pub(super) svg: String,
     /// PNG bytes of a picture.
     pub(super) png: Vec<u8>,
+    /// Description and arrays of an explorer or a panel.
+    pub(super) pack: (String, String),
     /// Files beside the page.
     pub(super) files: Vec<OutFile>,
 }
@@ -146,13 +148,15 @@ fn figure(id: &str, block: &Block, size: Size) -> Figure {
                 file(format!("plots/{id}.svg"), svg.clone().into_bytes()),
                 file(format!("plots/{id}.png"), png),
             ];
-            Figure { svg, png: vec![], files }
+            Figure { svg, files, ..Figure::default() }
         }
-        Block::Picture(picture) => {
-            let png = picture.to_png();
-            let files = vec![file(format!("pictures/{id}.png"), png.clone())];
-            Figure { svg: String::new(), png, files }
+        Block::Picture(picture) => with_png(id, picture.to_png()),
+        Block::Explorer(explorer) => {
+            explorer.check();
+            let (pack, still) = rayon::join(|| page::pack(explorer), || explorer.to_png());
+            Figure { pack, ..with_png(id, still) }
         }
+        Block::Gpu(panel) => Figure { pack: page::pack_panel(panel), ..Figure::default() },
         Block::Exr(image) => Figure {
             files: vec![file(format!("exr/{id}.exr"), image.to_exr())],
             ..Figure::default()
@@ -161,6 +165,11 @@ fn figure(id: &str, block: &Block, size: Size) -> Figure {
             Figure::default()
         }
     }
+}
+
+fn with_png(id: &str, png: Vec<u8>) -> Figure {
+    let files = vec![OutFile::new(format!("pictures/{id}.png"), png.clone())];
+    Figure { png, files, ..Figure::default() }
 }
 
 fn csv(id: &str, text: String) -> Figure {

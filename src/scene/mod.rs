@@ -2,6 +2,9 @@
 
 pub mod cases;
 pub mod chain;
+pub mod config;
+pub mod fit;
+pub mod load;
 pub mod pipeline;
 pub mod shapes;
 

@@ -71,7 +71,7 @@ impl Tracer {
             ids.filter(|&id| geometry.object.get(id as usize).is_none_or(|&o| accept(o)));
         let leaves: Vec<_> =
             accepted.map(|id| Leaf { corners: corners[id as usize], id }).collect();
-        let (low, high) = bounds(corners.iter().flatten());
+        let (low, high) = bounds(geometry.positions.iter());
         let extent = low.abs().max(high.abs()).max_element();
         let centre = (low + high) / 2.0;
         let scale = power_of_two_below(2.0 / (high - low).max_element());
@@ -147,8 +147,7 @@ impl Tracer {
     }
 
     fn segment(&self, from: DVec3, to: DVec3) -> Segment {
-        let largest = self.extent.max(from.abs().max_element());
-        Segment::new(from, to, 8.0 * f64::EPSILON * largest)
+        Segment::of_scene(from, to, self.extent)
     }
 
     /// Everything that meets the segment.
@@ -192,7 +191,7 @@ fn counts(faces: Faces, facing: i8) -> bool {
 }
 
 /// The smallest box around the points.
-fn bounds<'a>(points: impl Iterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
+pub(super) fn bounds<'a>(points: impl Iterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
 }
 

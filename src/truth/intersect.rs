@@ -73,6 +73,12 @@ impl Segment {
         Self { from, to, along: to - from, blur }
     }
 
+    /// A segment from a receiver of a scene whose largest |coordinate| is `extent`: each coordinate
+    /// of the receiver may be off by `16 * 2^-53` times the largest of all.
+    pub(super) fn of_scene(from: DVec3, to: DVec3, extent: f64) -> Self {
+        Self::new(from, to, 8.0 * f64::EPSILON * extent.max(from.abs().max_element()))
+    }
+
     #[cfg(test)]
     pub(super) const fn vertical() -> Self {
         let to = DVec3::new(0.0, 0.0, 10.0);
@@ -117,13 +123,29 @@ impl Segment {
         if signs == [Some(0); 3] {
             return self.in_plane(id, corners);
         }
+        self.meet_at(id, corners, signs.map(|s| s.unwrap_or(0)))
+    }
+
+    /// As [`Self::meet`], where the line is known to pass through the inside.
+    pub(super) fn meet_inside(&self, id: u32, corners: &[DVec3; 3]) -> Meeting {
+        let (normal, rough) = normal(corners);
+        let slope = normal.dot(self.along);
+        if slope.abs() > FILTER * rough.dot(self.along.abs()) {
+            self.meet_at(id, corners, [sign(slope); 3])
+        } else {
+            self.meet(id, corners)
+        }
+    }
+
+    /// Where on the segment the triangle is met, given the sides on which the edges pass.
+    #[inline]
+    fn meet_at(&self, id: u32, corners: &[DVec3; 3], signs: [i8; 3]) -> Meeting {
         let (t, error) = self.position(corners);
         if t - error > 1.0 || t + error < 0.0 {
             Meeting::Miss
         } else if t - error <= 0.0 {
             Meeting::Touching
         } else {
-            let signs = signs.map(|s| s.unwrap_or(0));
             self.before_end(Contact { triangle: id, t, error, signs }, corners)
         }
     }
@@ -184,17 +206,8 @@ impl Segment {
     /// `t` and its bound from the plane alone; infinite where the plane is parallel to the line
     /// within rounding.
     fn plane_position(&self, corners: &[DVec3; 3]) -> (f64, f64) {
-        let [a, b, c] = *corners;
-        let (e1, e2) = (b - a, c - a);
-        let normal = e1.cross(e2);
-        let (f1, f2) = (e1.abs(), e2.abs());
-        // Permanent of each component of the normal: |e1y e2z| + |e1z e2y|, and so on.
-        let rough = DVec3::new(
-            f1.y * f2.z + f1.z * f2.y,
-            f1.z * f2.x + f1.x * f2.z,
-            f1.x * f2.y + f1.y * f2.x,
-        );
-        let offset = a - self.from;
+        let (normal, rough) = normal(corners);
+        let offset = corners[0] - self.from;
         let (height, slope) = (normal.dot(offset), normal.dot(self.along));
         let blur = self.blur * (normal.abs() + rough * (4.0 * U)).element_sum() * (1.0 + 8.0 * U);
         let height_error = FILTER * rough.dot(offset.abs()) + blur;
@@ -275,6 +288,17 @@ impl Segment {
         let sides = flat.map(|v| orient2d(ends[0], ends[1], v));
         apart_by_edge || sides == [Some(1); 3] || sides == [Some(-1); 3]
     }
+}
+
+/// The normal `(b - a) x (c - a)`, and the permanent of each component: `|e1y e2z| + |e1z e2y|`,
+/// and so on.
+#[inline]
+fn normal([a, b, c]: &[DVec3; 3]) -> (DVec3, DVec3) {
+    let (e1, e2) = (*b - *a, *c - *a);
+    let (f1, f2) = (e1.abs(), e2.abs());
+    let rough =
+        DVec3::new(f1.y * f2.z + f1.z * f2.y, f1.z * f2.x + f1.x * f2.z, f1.x * f2.y + f1.y * f2.x);
+    (e1.cross(e2), rough)
 }
 
 /// The point seen along an axis.

@@ -29,6 +29,7 @@
 mod bvh;
 mod cover;
 mod intersect;
+pub mod izb;
 mod orient;
 
 pub use bvh::Tracer;

@@ -20,7 +20,7 @@ pub(crate) fn report() -> Report {
         seed: 7,
         parameters: [("bias".to_string(), "1e-7:1e-2:log:25".to_string())].into(),
         command: "cargo run --release -- --quick --out reports/documents".into(),
-        sections: vec![curves(), tables(), pictures(), text().folded()],
+        sections: vec![explorers(), curves(), tables(), pictures(), text().folded()],
         results: json!({"schema": "gnomon-sample-1", "cases": [{"name": "a", "rate": 0.1}]}),
         results_csv: Some(table()),
         warnings: vec![
@@ -270,6 +270,13 @@ fn pictures() -> Section {
     let mut section = Section::new("pictures", "Pictures", "Same colours everywhere.");
     section.push(Block::Row(vec![picture("classes").into(), picture("shaded").into()]));
     section.push(exr());
+    section
+}
+
+fn explorers() -> Section {
+    let mut section = Section::new("drag", "Drag the bias", "Every mask is exact at every f32.");
+    section.push(crate::explored::explorer("small", (96, 80)));
+    section.push(crate::measured::panel());
     section
 }
 

@@ -92,6 +92,11 @@ impl<A: Number> Number for Interval<A> {
         Self { lo: self.lo.nearest(), hi: self.hi.nearest() }
     }
     #[inline(always)]
+    fn nearest_product(self, scale: Self) -> Self {
+        self.assert_factors(scale);
+        Self { lo: self.lo.nearest_product(scale.lo), hi: self.hi.nearest_product(scale.hi) }
+    }
+    #[inline(always)]
     fn fract(self) -> Self {
         if self.lo.floor() == self.hi.floor() {
             return Self { lo: self.lo.fract(), hi: self.hi.fract() };

@@ -51,6 +51,12 @@ pub trait Number:
     /// Nearest integer, ties to even (`round` of GLSL ES 3, WGSL and HLSL).
     #[must_use]
     fn nearest(self) -> Self;
+    /// nearest(self·scale). For real values the product is not rounded first.
+    #[inline(always)]
+    #[must_use]
+    fn nearest_product(self, scale: Self) -> Self {
+        (self * scale).nearest()
+    }
     /// x − floor(x), kept below one as measured: min(x − floor(x), 1 − 2⁻²⁴) in f32. NaN gives the
     /// largest value below one, as `min` does.
     #[must_use]
@@ -138,12 +144,9 @@ pub trait Raw:
     /// x·255 clamped to [0,255] (NaN gives 0), plus `half`, rounded down.
     #[must_use]
     fn byte_floor(self, half: Self) -> Self;
-    /// fl(self·factor): one rounding.
+    /// fl(self·a) + fl(self·b), rounded; with `fused`, fl(self·a + fl(self·b)).
     #[must_use]
-    fn times(self, factor: Self) -> Self;
-    /// fl(self + other): one rounding.
-    #[must_use]
-    fn plus(self, other: Self) -> Self;
+    fn product_sum(self, a: Self, b: Self, fused: bool) -> Self;
     /// The byte that it is (fraction dropped).
     fn byte(self) -> u8;
     /// The ordered bit pattern.

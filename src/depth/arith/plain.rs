@@ -3,7 +3,7 @@
 use super::{Number, Raw, Shader};
 
 macro_rules! plain {
-    ($F:ty, $Key:ty, $below_one:expr) => {
+    ($F:ty, $Key:ty, $below_one:expr, $($exact:item)*) => {
         impl Number for $F {
             #[inline(always)]
             fn ratio(n: f64, d: f64) -> Self {
@@ -17,6 +17,7 @@ macro_rules! plain {
             fn nearest(self) -> Self {
                 self.round_ties_even()
             }
+            $($exact)*
             #[inline(always)]
             fn fract(self) -> Self {
                 let x = self - <$F>::floor(self);
@@ -28,8 +29,7 @@ macro_rules! plain {
             }
             #[inline(always)]
             fn from_pattern(bytes: [Self; 4]) -> Self {
-                let byte = |x: Self| (if x < 255.0 { x } else { 255.0 }) as i32 as u32 & 255;
-                let [a, b, c, d] = bytes.map(byte);
+                let [a, b, c, d] = bytes.map(|x| low_byte(clamped_to(255, x) as f32));
                 f32::from_bits(a << 24 | b << 16 | c << 8 | d) as $F
             }
         }
@@ -58,23 +58,19 @@ macro_rules! plain {
             }
             #[inline(always)]
             fn byte_even(self) -> Self {
-                clamped(self * 255.0).round_ties_even()
+                clamped_to(255, self * 255.0).round_ties_even()
             }
             #[inline(always)]
             fn byte_floor(self, half: Self) -> Self {
-                (clamped(self * 255.0) + half).floor()
+                (clamped_to(255, self * 255.0) + half).floor()
             }
             #[inline(always)]
             fn byte(self) -> u8 {
                 (self as i32 & 255) as u8
             }
             #[inline(always)]
-            fn times(self, factor: Self) -> Self {
-                self * factor
-            }
-            #[inline(always)]
-            fn plus(self, other: Self) -> Self {
-                self + other
+            fn product_sum(self, a: Self, b: Self, fused: bool) -> Self {
+                if fused { self.mul_add(a, self * b) } else { self * a + self * b }
             }
             #[inline(always)]
             fn key(self) -> $Key {
@@ -88,13 +84,34 @@ macro_rules! plain {
     };
 }
 
-plain!(f32, i32, 1.0 - f32::EPSILON / 2.0);
-plain!(f64, i64, 1.0 - f64::EPSILON / 2.0);
+plain!(f32, i32, 1.0 - f32::EPSILON / 2.0,);
+plain! {
+    f64, i64, 1.0 - f64::EPSILON / 2.0,
+    /// A f32 times 2³² − 1 needs 56 bits. What the product loses is exact by `fma`, and decides
+    /// where the rounded product is halfway between two integers.
+    #[inline(always)]
+    fn nearest_product(self, scale: Self) -> Self {
+        let product = self * scale;
+        let lost = self.mul_add(scale, -product);
+        let nearest = product.round_ties_even();
+        let half = product - nearest;
+        let up = if half == 0.5 && lost > 0.0 { 1.0 } else { 0.0 };
+        let down = if half == -0.5 && lost < 0.0 { 1.0 } else { 0.0 };
+        nearest + up - down
+    }
+}
 
-/// `x` within [0,255]; NaN gives 0. Written with comparisons so that it vectorises.
+/// `x` within [0, top]; NaN gives 0. Written with comparisons so that it vectorises.
 #[inline(always)]
-fn clamped<F: Raw + From<u8>>(x: F) -> F {
-    let (zero, top) = (F::from(0), F::from(255));
+fn clamped_to<F: Raw + From<u8>>(top: u8, x: F) -> F {
+    let (zero, top) = (F::from(0), F::from(top));
     let x = if x > zero { x } else { zero };
     if x < top { x } else { top }
+}
+
+/// ⌊x⌋ of 0 ≤ x < 256: added to 2²³ it is the low byte of the pattern (a saturating cast does not
+/// vectorise).
+#[inline(always)]
+fn low_byte(x: f32) -> u32 {
+    (x.floor() + 8_388_608.0).to_bits() & 255
 }

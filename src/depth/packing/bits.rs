@@ -11,7 +11,8 @@ pub(super) struct FloatBits;
 impl Pair for FloatBits {
     #[inline(always)]
     fn pack<A: Number>(&self, z: A) -> [A; 4] {
-        [3, 2, 1, 0].map(|i| z.pattern_byte(i) / A::whole(255.0))
+        let byte = |i| z.pattern_byte(i) / A::whole(255.0);
+        [byte(3), byte(2), byte(1), byte(0)]
     }
     #[inline(always)]
     fn unpack<A: Number>(&self, c: [A; 4]) -> A {

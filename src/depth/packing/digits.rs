@@ -22,7 +22,7 @@ impl<const N: usize> Pair for Digits<N> {
         let (zero, one, top) = (A::whole(0.0), A::whole(1.0), A::whole(255.0));
         let z = z.at_least(zero, z, zero);
         let mut packed = [zero; 4];
-        let mut rest = (z * A::whole(Self::MAX)).nearest();
+        let mut rest = z.nearest_product(A::whole(Self::MAX));
         for (i, channel) in packed.iter_mut().enumerate().take(N) {
             let place = A::whole([1.0, 256.0, 65_536.0, 16_777_216.0][N - 1 - i]);
             let digit = (rest / place).floor();

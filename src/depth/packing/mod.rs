@@ -165,6 +165,20 @@ impl Packing {
         self.with_pair(Unpack(c))
     }
 
+    /// The first packing of the catalogue with the very same operations (engines copy each other).
+    #[must_use]
+    pub fn original(self) -> Self {
+        struct Code;
+        impl PairVisitor for Code {
+            type Output = std::any::TypeId;
+            fn visit<P: Pair + 'static>(self, _: P) -> Self::Output {
+                std::any::TypeId::of::<P>()
+            }
+        }
+        let same = |other: &&Self| other.with_pair(Code) == self.with_pair(Code);
+        *Self::ALL.iter().find(same).expect("it is in the catalogue itself")
+    }
+
     /// How many UNORM8 channels carry the depth.
     #[must_use]
     pub fn channels(self) -> usize {

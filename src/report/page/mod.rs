@@ -1,5 +1,6 @@
 //! The page: one HTML file with its style, script, plots and pictures inside.
 
+mod explorer_view;
 mod view;
 
 use std::collections::BTreeMap;
@@ -8,9 +9,11 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 
-use super::Report;
 use super::index::Entry;
 use super::write::Figure;
+use super::{Block, Report};
+
+pub(super) use explorer_view::{pack, pack_panel};
 
 const TEMPLATES: [(&str, &str); 3] = [
     ("page.html", include_str!("page.html")),
@@ -19,6 +22,10 @@ const TEMPLATES: [(&str, &str); 3] = [
 ];
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("page.js");
+const PARTS: &str = include_str!("parts.js");
+const EXPLORER: [&str; 3] =
+    [include_str!("judge.js"), include_str!("inspect.js"), include_str!("explorer.js")];
+const GPU: [&str; 2] = [include_str!("gpu.js"), include_str!("panel.js")];
 
 /// The page of `report`; `files` are the names of what lies beside it.
 pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &[&str]) -> String {
@@ -29,9 +36,19 @@ pub(super) fn render(report: &Report, figures: &BTreeMap<&str, Figure>, files: &
         sections => Value::from(Serde(sections)),
         files => Value::from(Serde(files)),
         style => STYLE,
-        script => SCRIPT,
+        script => scripts(report),
     };
     fill("page.html", values)
+}
+
+/// The scripts that the report's blocks need; without explorer and panel that is one.
+fn scripts(report: &Report) -> String {
+    let explorers = report.blocks().any(|block| matches!(block, Block::Explorer(_)));
+    let panels = report.blocks().any(|block| matches!(block, Block::Gpu(_)));
+    let parts = (explorers || panels).then_some(PARTS);
+    let explorers = EXPLORER.into_iter().filter(|_| explorers);
+    let panels = GPU.into_iter().filter(|_| panels);
+    std::iter::once(SCRIPT).chain(parts).chain(explorers).chain(panels).collect()
 }
 
 /// The index over several reports.

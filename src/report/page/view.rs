@@ -9,7 +9,9 @@ use serde::Serialize;
 use crate::report::heatmap::Shade;
 use crate::report::palette::Colour;
 use crate::report::write::Figure;
-use crate::report::{Block, Cell, Finding, HeatMap, Picture, Plot, Report, Section, Table};
+use crate::report::{
+    Block, Cell, Explorer, Finding, HeatMap, Picture, Plot, Report, Section, Table, number,
+};
 
 #[derive(Serialize)]
 pub(super) struct Header {
@@ -54,6 +56,8 @@ enum Content {
     Row { blocks: Vec<BlockView> },
     Code { language: String, text: String },
     Findings { findings: Vec<FindingView> },
+    Explorer(ExplorerView),
+    Gpu { title: String, caption: String, about: String, blob: String },
     Exr { file: String, width: usize, height: usize, names: String, metadata: String },
 }
 
@@ -113,6 +117,20 @@ struct PictureView {
     shown: u32,
     data: String,
     legend: Vec<(String, String)>,
+}
+
+#[derive(Serialize)]
+struct ExplorerView {
+    title: String,
+    caption: String,
+    width: u32,
+    height: u32,
+    data: String,
+    slider: String,
+    value: String,
+    counts: Vec<(String, String, String)>,
+    about: String,
+    blob: String,
 }
 
 #[derive(Serialize)]
@@ -197,6 +215,13 @@ fn with_files(block: &Block, figure: &Figure) -> Content {
         Block::Plot(plot) => Content::Plot(PlotView::new(plot, figure, file)),
         Block::HeatMap(map) => Content::HeatMap(HeatMapView::new(map, file)),
         Block::Picture(picture) => Content::Picture(PictureView::new(picture, figure)),
+        Block::Explorer(explorer) => Content::Explorer(ExplorerView::new(explorer, figure)),
+        Block::Gpu(panel) => Content::Gpu {
+            title: panel.title.clone(),
+            caption: panel.caption.clone(),
+            about: figure.pack.0.clone(),
+            blob: figure.pack.1.clone(),
+        },
         Block::Exr(image) => Content::Exr {
             file,
             width: image.width,
@@ -284,6 +309,29 @@ impl PictureView {
             shown: picture.width * picture.magnify.max(1),
             data: STANDARD.encode(&figure.png),
             legend: picture.legend.iter().map(|(c, t)| (Colour::css(*c), t.clone())).collect(),
+        }
+    }
+}
+
+impl ExplorerView {
+    fn new(explorer: &Explorer, figure: &Figure) -> Self {
+        let value = explorer.slider.value;
+        let tally = explorer.views.first().map(|view| explorer.tally(view, value));
+        let counts = explorer.classes.iter().zip(tally.unwrap_or_default().classes);
+        let counts = counts.map(|(class, count)| {
+            (class.colour.css(), class.name.clone(), Cell::count(count).to_page())
+        });
+        Self {
+            title: explorer.title.clone(),
+            caption: explorer.caption.clone(),
+            width: explorer.width,
+            height: explorer.height,
+            data: STANDARD.encode(&figure.png),
+            slider: explorer.slider.label.clone(),
+            value: number::pretty(f64::from(value), 4),
+            counts: counts.collect(),
+            about: figure.pack.0.clone(),
+            blob: figure.pack.1.clone(),
         }
     }
 }

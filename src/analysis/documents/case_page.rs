@@ -1,0 +1,188 @@
+//! One case on the page: verdict, pictures, trade-off curve, numbers.
+
+use super::{explore, layers, shade};
+use crate::analysis::classify::Artifact;
+use crate::analysis::ladder::Rung;
+use crate::analysis::measure::Measured;
+use crate::analysis::measurement::{Measurement, Wrongs};
+use crate::report::{
+    Axis, Block, Cell, Colour, Column, Marker, Plot, Section, Series, Style, Table,
+};
+
+/// Colour of false shadow and false light in every curve.
+const FALSE_SHADOW: Colour = Colour::Vermilion;
+const FALSE_LIGHT: Colour = Colour::Blue;
+
+/// The case's section, folded.
+pub(super) fn section(measured: &Measured<'_>, step: u32) -> Section {
+    let m = &measured.measurement;
+    let observer = &measured.observer;
+    let mut section =
+        Section::new(m.name.clone(), format!("{} ({})", m.name, m.document), m.verdict.clone())
+            .folded();
+    let shaded = shade::shaded(observer, &measured.observations, step);
+    let exr = layers::layers(observer, &measured.observations, step, &shaded.rgb);
+    section.push(Block::Row(vec![
+        shade::classified(observer, &measured.observations, step).into(),
+        shaded.into(),
+        shade::map(observer).into(),
+    ]));
+    section.push(explore::explorer(measured, step));
+    section.push(curve(measured));
+    section.push(numbers(m));
+    section.push(causes(m));
+    section.push(assumptions(m));
+    section.push(exr);
+    section.push(Block::Code {
+        language: "shell".to_string(),
+        text: format!(
+            "gnomon-report --case {0} --full\ngnomon-report explain --case {0} --pixel X,Y",
+            m.name
+        ),
+    });
+    section
+}
+
+fn assumptions(m: &Measurement) -> Block {
+    let facts = m.facts.iter().map(|f| format!("{} = {} ({})", f.quantity, f.value, f.source));
+    let known: Vec<String> = m.assumptions.iter().cloned().chain(facts).collect();
+    Block::Text(if known.is_empty() {
+        "Nothing is assumed beyond the case's definition.".to_string()
+    } else {
+        format!("Assumed or known: {}.", known.join("; "))
+    })
+}
+
+/// Biases of the curve: 0, then 16 a decade from 10⁻⁶ to 1 (multiples of powers of ten, no logarithm
+/// of the machine's own).
+fn biases() -> Vec<f32> {
+    let decade = |e: i32| {
+        let power = (0..e.unsigned_abs()).fold(1.0f64, |p, _| p / 10.0);
+        (0..16).map(move |i| (power * libm::exp10(f64::from(i) / 16.0)) as f32)
+    };
+    std::iter::once(0.0).chain((-6..0).flat_map(decade)).chain([1.0]).collect()
+}
+
+/// False shadow and false light against every constant bias.
+fn curve(measured: &Measured<'_>) -> Plot {
+    let m = &measured.measurement;
+    let [lit, shadowed] = measured.curve.populations().map(|n| n.max(1) as f64);
+    let at = |share: &dyn Fn(f32) -> f64| {
+        biases().into_iter().map(|b| (f64::from(b), 100.0 * share(b))).collect::<Vec<_>>()
+    };
+    let series = |name: &str, colour, points| Series {
+        name: name.to_string(),
+        style: Style::Line,
+        colour,
+        points,
+    };
+    let mark = |x: Option<f32>, label: &str, colour| {
+        x.filter(|x| *x > 0.0).map(|x| Marker { x: f64::from(x), label: label.to_string(), colour })
+    };
+    Plot {
+        id: format!("{}-curve", m.name),
+        title: format!("{}: errors at every constant bias", m.name),
+        caption: "Exact for every bias: read off the sorted breakpoints of all receivers"
+            .to_string(),
+        x: Axis::log("constant bias [window depth]"),
+        y: Axis { range: Some((0.0, 100.0)), ..Axis::linear("share of receivers [%]") },
+        series: vec![
+            series(
+                "false shadow (of the lit)",
+                FALSE_SHADOW,
+                at(&|b| measured.curve.at(b).false_shadow_weight / lit),
+            ),
+            series(
+                "false light (of the shadowed)",
+                FALSE_LIGHT,
+                at(&|b| measured.curve.at(b).false_light_weight / shadowed),
+            ),
+        ],
+        markers: [
+            mark(Some(m.bias), "document's bias", Colour::Ink),
+            mark(m.thresholds.critical, "critical", FALSE_SHADOW),
+            mark(m.thresholds.detachment, "detachment", FALSE_LIGHT),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+    }
+}
+
+fn numbers(m: &Measurement) -> Table {
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    let mut row = |name: &str, value: Cell, unit: &str| {
+        rows.push(vec![name.into(), value, unit.into()]);
+    };
+    let s = &m.samples;
+    for (name, n) in [
+        ("pixels", s.pixels),
+        ("truly lit", m.lit),
+        ("truly shadowed", m.shadowed),
+        ("ambiguous", s.ambiguous),
+        ("facing away", s.facing_away),
+        ("outside the cone", s.outside_cone),
+        ("outside the map", s.outside_map),
+        ("background", s.background),
+    ] {
+        row(name, Cell::count(n), "receivers");
+    }
+    let depth = |b: Option<f32>| Cell::number(b.map(f64::from));
+    row("document's bias", depth(Some(m.bias)), "window depth");
+    row("critical bias", depth(m.thresholds.critical), "window depth");
+    row("detachment bias", depth(m.thresholds.detachment), "window depth");
+    row("headroom", Cell::number(m.headroom), "window depth");
+    row("smallest exact gap", Cell::number(m.exact_gap.map(|g| g.min)), "window depth");
+    row("longest falsely lit strip", Cell::number(m.peter_panning.map(|l| l.world)), "world units");
+    row("longest falsely lit strip", Cell::number(m.peter_panning.map(|l| l.texels)), "texels");
+    row(
+        "stripe period without bias",
+        Cell::number(m.stripe_period.map(|l| l.world)),
+        "world units",
+    );
+    row("stripe period without bias", Cell::number(m.stripe_period.map(|l| l.texels)), "texels");
+    let column = |name: &str| Column { name: name.to_string(), ..Column::default() };
+    Table {
+        id: format!("{}-numbers", m.name),
+        caption: "Receivers, thresholds and lengths".to_string(),
+        columns: vec![column("quantity"), column("value"), column("unit")],
+        rows,
+    }
+}
+
+/// Wrong verdicts by cause and artifact.
+fn causes(m: &Measurement) -> Table {
+    let column = |name: &str, help: &str| Column {
+        name: name.to_string(),
+        help: help.to_string(),
+        ..Column::default()
+    };
+    let rows = |kind: &str, w: &Wrongs| {
+        let mut cells: Vec<Cell> = vec![
+            kind.into(),
+            Cell::count(w.count),
+            Cell::Percent(w.rate),
+            Cell::Number(w.weight, 4),
+        ];
+        cells.extend(Rung::ALL.iter().map(|r| Cell::count(w.by_cause[r.name()])));
+        cells.extend(Artifact::ALL.iter().map(|a| Cell::count(w.by_artifact[a.name()])));
+        cells
+    };
+    let mut columns = vec![
+        column("verdict", ""),
+        column("receivers", "receivers with a wrong verdict"),
+        column("rate", "of the truly lit, or of the truly shadowed"),
+        column("weight", "sum of |visibility - truth|"),
+    ];
+    columns.extend(Rung::ALL.iter().map(|r| column(&format!("by {r}"), &r.about())));
+    columns.extend(Artifact::ALL.iter().map(|a| column(&a.name().replace('-', " "), &a.about())));
+    Table {
+        id: format!("{}-causes", m.name),
+        caption:
+            "Wrong verdicts by cause (first rung from which they stay wrong) and by artifact; \
+                  each group adds up to the receivers"
+                .to_string(),
+        columns,
+        rows: vec![rows("false shadow", &m.false_shadow), rows("false light", &m.false_light)],
+    }
+}

@@ -1,0 +1,219 @@
+//! The numbers of a measured case, as they stand in `results.json`.
+
+use super::classify::Outcome;
+use super::curve::{Errors, Thresholds};
+use super::observe::Observation;
+use crate::scene::{Case, Fact};
+use crate::truth::Truth;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Receivers by standing. All but `counted` stay out of the rates.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Samples {
+    /// Pixels looked at: the sum of all below.
+    pub pixels: u64,
+    /// Nothing drawn.
+    pub background: u64,
+    /// In the rates.
+    pub counted: u64,
+    /// Truth undecided.
+    pub ambiguous: u64,
+    /// Surface faces away from the light.
+    pub facing_away: u64,
+    /// Outside the spot's cone.
+    pub outside_cone: u64,
+    /// Outside the map's volume.
+    pub outside_map: u64,
+    /// Of those outside the map: the look-up says shadowed nevertheless.
+    pub outside_map_shadowed: u64,
+    /// Triangles that met a counted receiver itself.
+    pub touching: u64,
+}
+
+/// One kind of wrong verdict.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Wrongs {
+    /// Receivers with a wrong verdict.
+    pub count: u64,
+    /// Their share of the truly lit (or shadowed) receivers.
+    pub rate: f64,
+    /// Σ|v − truth|.
+    pub weight: f64,
+    /// By the first rung from which the verdict stays wrong.
+    pub by_cause: BTreeMap<&'static str, u64>,
+    /// By what it is called.
+    pub by_artifact: BTreeMap<&'static str, u64>,
+}
+
+/// Counts of one object's receivers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Tally {
+    /// Truly lit.
+    pub lit: u64,
+    /// Truly shadowed.
+    pub shadowed: u64,
+    /// Of the lit: wrong.
+    pub false_shadow: u64,
+    /// Of the shadowed: wrong.
+    pub false_light: u64,
+    /// Of the lit: wrong without any bias.
+    pub false_shadow_without_bias: u64,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, o: &Observation) {
+        match o.truly_lit() {
+            Some(true) => self.lit += 1,
+            Some(false) => self.shadowed += 1,
+            None => {}
+        }
+        match o.outcome {
+            Outcome::FalseShadow(_) => self.false_shadow += 1,
+            Outcome::FalseLight(_) => self.false_light += 1,
+            Outcome::Agree => {}
+        }
+        let dark_without_bias = o.breakpoints.iter().any(|&b| b > 0.0);
+        self.false_shadow_without_bias +=
+            u64::from(o.truly_lit() == Some(true) && dark_without_bias);
+    }
+}
+
+/// Acne away from every edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct InteriorTotal {
+    /// Truly lit interior receivers.
+    pub lit: u64,
+    /// Share of them dark at the case's bias.
+    pub acne_rate: f64,
+    /// Share of them dark without any bias.
+    pub acne_rate_without_bias: f64,
+}
+
+impl InteriorTotal {
+    pub(super) fn of(tallies: &BTreeMap<String, Tally>) -> Self {
+        let sum = |count: fn(&Tally) -> u64| tallies.values().map(count).sum::<u64>();
+        let lit = sum(|t| t.lit);
+        let share = |n: u64| if lit == 0 { 0.0 } else { n as f64 / lit as f64 };
+        Self {
+            lit,
+            acne_rate: share(sum(|t| t.false_shadow)),
+            acne_rate_without_bias: share(sum(|t| t.false_shadow_without_bias)),
+        }
+    }
+}
+
+/// Light inside shadows, away from every edge.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ShadowInterior {
+    /// Truly shadowed interior receivers, facing the light or away from it.
+    pub receivers: u64,
+    /// Of them: lit, at least partly.
+    pub leaks: u64,
+    /// Their share.
+    pub leak_rate: f64,
+    /// Leaks by the receiver's object.
+    pub leaks_by_object: BTreeMap<String, u64>,
+}
+
+impl ShadowInterior {
+    pub(super) fn of<'o>(case: &Case, interior: impl Iterator<Item = &'o Observation>) -> Self {
+        let name = |o: &Observation| case.objects[usize::from(o.object)].name.clone();
+        let mut found = Self {
+            leaks_by_object: case.objects.iter().map(|o| (o.name.clone(), 0)).collect(),
+            ..Self::default()
+        };
+        for o in interior.filter(|o| matches!(o.answer.truth, Truth::Shadowed(_))) {
+            found.receivers += 1;
+            if o.visibility() > 0.0 {
+                found.leaks += 1;
+                *found.leaks_by_object.entry(name(o)).or_default() += 1;
+            }
+        }
+        if found.receivers > 0 {
+            found.leak_rate = found.leaks as f64 / found.receivers as f64;
+        }
+        found
+    }
+}
+
+/// Exact depth differences between truly shadowed receivers and their first occluder.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// Smallest, window depth.
+    pub min: f64,
+    /// Largest, window depth.
+    pub max: f64,
+}
+
+/// A length on the receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Length {
+    /// World units.
+    pub world: f64,
+    /// Texels of the map at the receiver.
+    pub texels: f64,
+}
+
+/// Everything measured of one case at its own bias.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measurement {
+    /// The case's name.
+    pub name: String,
+    /// Its document.
+    pub document: String,
+    /// Device profile.
+    pub device: &'static str,
+    /// Map side in texels.
+    pub map_size: u32,
+    /// Format or packing of a texel.
+    pub format: &'static str,
+    /// Filter.
+    pub filter: &'static str,
+    /// Comparison rule.
+    pub compare: &'static str,
+    /// The document's bias; positive repairs acne.
+    pub bias: f32,
+    /// Receivers by standing.
+    pub samples: Samples,
+    /// Truly lit receivers.
+    pub lit: u64,
+    /// Truly shadowed receivers.
+    pub shadowed: u64,
+    /// Truth lit, map says shadowed.
+    pub false_shadow: Wrongs,
+    /// Truth shadowed, map says lit.
+    pub false_light: Wrongs,
+    /// Counts of wrong verdicts on each rung.
+    pub wrong_on_rung: BTreeMap<&'static str, u64>,
+    /// Errors without any bias.
+    pub without_bias: Errors,
+    /// Largest breakpoint of acne, smallest of lost shadow.
+    pub thresholds: Thresholds,
+    /// detachment − critical.
+    pub headroom: Option<f64>,
+    /// Exact depth gaps of the truly shadowed.
+    pub exact_gap: Option<Gap>,
+    /// Receivers away from every edge, by object.
+    pub interior: BTreeMap<String, Tally>,
+    /// The interior of all objects together.
+    pub interior_total: InteriorTotal,
+    /// Truly shadowed receivers away from every edge, those that face away from the light included.
+    pub shadow_interior: ShadowInterior,
+    /// All receivers, by object.
+    pub by_object: BTreeMap<String, Tally>,
+    /// Objects whose whole shadow is gone although it covers counted receivers.
+    pub lost_shadows: Vec<String>,
+    /// Longest falsely lit strip by peter-panning.
+    pub peter_panning: Option<Length>,
+    /// Mean distance of acne stripes without bias.
+    pub stripe_period: Option<Length>,
+    /// Map texels in which the pass' depth attachment keeps another triangle than a float one.
+    pub misordered_texels: u64,
+    /// What the document leaves open.
+    pub assumptions: Vec<String>,
+    /// Known facts.
+    pub facts: Vec<Fact>,
+    /// One sentence.
+    pub verdict: String,
+}

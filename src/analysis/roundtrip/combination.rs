@@ -1,0 +1,139 @@
+//! One combination of packing (or format), store, sampler and arithmetic, from names to certificate.
+
+use super::bound::{Bound, bound};
+use super::certificate::{Certificate, Subject, certify};
+use super::sample::sample;
+use super::survey::{Method, survey, survey_format};
+use super::tally::Tally;
+use crate::depth::arith::Raw;
+use crate::depth::packing::{Pair, TextPair};
+use crate::depth::roundtrip::{AnyRoundTrip, Path};
+use crate::depth::{Arithmetic, ByteStore, FormatTrip, Packing, RoundTrip, UnormLoad};
+use crate::simd::Level;
+
+/// What lies between pack and unpack, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Conditions {
+    /// How a channel becomes a byte.
+    pub store: ByteStore,
+    /// How a byte becomes a float.
+    pub load: UnormLoad,
+    /// What the shader computes in.
+    pub arithmetic: Arithmetic,
+}
+
+impl Conditions {
+    /// f32 arithmetic, correctly rounded samples, the given store.
+    #[must_use]
+    pub fn plain(store: ByteStore) -> Self {
+        Self { store, load: UnormLoad::Divide, arithmetic: Arithmetic::F32 }
+    }
+
+    fn paths(self) -> impl Iterator<Item = Path> {
+        let Self { store, load, arithmetic } = self;
+        store.roundings().iter().map(move |&rounding| Path { rounding, load, arithmetic })
+    }
+
+    fn subject(self, name: &str, channels: usize, bound: Option<Bound>) -> Subject {
+        Subject {
+            name: name.to_string(),
+            channels: Some(channels),
+            store: self.store.to_string(),
+            load: self.load.to_string(),
+            arithmetic: self.arithmetic.to_string(),
+            bound,
+        }
+    }
+}
+
+/// How much to look at.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Sampled, brute or pruned.
+    pub method: Method,
+    /// The vector width.
+    pub level: Level,
+}
+
+impl Effort {
+    fn tallies<F: Raw>(self, trip: &dyn RoundTrip<F>) -> Vec<Tally<F>> {
+        match self.method {
+            Method::Sampled => sample(trip, self.level),
+            Method::Brute => survey(trip, self.level, Method::Brute),
+            Method::Pruned | Method::BreakPoints => survey(trip, self.level, Method::Pruned),
+        }
+    }
+
+    /// The certificate of round trips that differ in their rounding alone.
+    #[must_use]
+    pub fn certify<F: Raw>(self, subject: Subject, trips: &[&dyn RoundTrip<F>]) -> Certificate {
+        let tallies: Vec<_> = trips.iter().map(|&trip| self.tallies(trip)).collect();
+        certify(subject, self.method, trips, &tallies)
+    }
+
+    /// The certificate of a catalogued packing.
+    #[must_use]
+    pub fn certify_packing(self, packing: Packing, conditions: Conditions) -> Certificate {
+        let bound = match conditions.load {
+            UnormLoad::Half => None,
+            _ => bound(packing, conditions.store, conditions.arithmetic),
+        };
+        let subject = conditions.subject(packing.name(), packing.channels(), bound);
+        let trips = conditions.paths().map(|path| path.of_packing(packing)).collect();
+        self.certify_any(subject, trips)
+    }
+
+    /// The certificate of a user's own pair.
+    #[must_use]
+    pub fn certify_text(self, name: &str, pair: TextPair, conditions: Conditions) -> Certificate {
+        let subject = conditions.subject(name, pair.channels(), None);
+        self.certify_pair(subject, pair, conditions)
+    }
+
+    /// The certificate of a pair written over [`Number`](crate::depth::arith::Number).
+    #[must_use]
+    pub fn certify_pair<P: Pair + 'static>(
+        self,
+        subject: Subject,
+        pair: P,
+        conditions: Conditions,
+    ) -> Certificate {
+        let trips = conditions.paths().map(|path| path.of(pair)).collect();
+        self.certify_any(subject, trips)
+    }
+
+    fn certify_any(self, subject: Subject, trips: Vec<AnyRoundTrip>) -> Certificate {
+        let (mut single, mut double) = (Vec::new(), Vec::new());
+        for trip in trips {
+            match trip {
+                AnyRoundTrip::F32(trip) => single.push(trip),
+                AnyRoundTrip::F64(trip) => double.push(trip),
+            }
+        }
+        if double.is_empty() {
+            self.certify(subject, &single.iter().map(|t| &**t).collect::<Vec<_>>())
+        } else {
+            self.certify(subject, &double.iter().map(|t| &**t).collect::<Vec<_>>())
+        }
+    }
+
+    /// The certificate of a depth format. Sampled, or exhaustive by break points (`Pruned` and
+    /// `BreakPoints` alike) or by brute force; decoded in f64 where the sampler is exact.
+    #[must_use]
+    pub fn certify_format(self, trip: FormatTrip) -> Certificate {
+        let subject = Subject {
+            name: trip.format.to_string(),
+            channels: None,
+            store: trip.store.to_string(),
+            load: trip.load.to_string(),
+            arithmetic: Arithmetic::Real.to_string(),
+            bound: None,
+        };
+        let tallies: Vec<Tally<f64>> = match self.method {
+            Method::Sampled | Method::Brute => self.tallies(&trip),
+            Method::Pruned | Method::BreakPoints => survey_format(trip),
+        };
+        let method = if self.method == Method::Pruned { Method::BreakPoints } else { self.method };
+        certify::<f64>(subject, method, &[&trip], &[tallies])
+    }
+}

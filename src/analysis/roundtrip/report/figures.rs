@@ -1,0 +1,199 @@
+//! The report's figures: heat map, error against depth, filters, world-space resolution.
+
+use super::{Measured, SETTINGS};
+use crate::analysis::roundtrip::combination::Conditions;
+use crate::analysis::roundtrip::curve::error_curve;
+use crate::analysis::roundtrip::filter::{FilterResult, FilterSweep, Slope};
+use crate::analysis::roundtrip::world::WorldResolution;
+use crate::depth::{ByteStore, DepthFormat, DepthMapping, MappingKind, Packing};
+use crate::report::{
+    Axis, Cell, Colour, ExrImage, HeatMap, Plot, Scale, Section, Series, Style, Table,
+};
+use serde_json::json;
+
+/// Slices of depth in an error plot.
+const SLICES: usize = 256;
+/// The planes of the resolution figures.
+const NEAR: f64 = 0.1;
+const FAR: f64 = 1000.0;
+/// Depth × fraction of the filter image.
+const SWEEP: (usize, usize) = (256, 33);
+
+/// Packing × store, sampler, arithmetic.
+pub(super) fn heat(measured: &Measured) -> Section {
+    let mut section = Section::new(
+        "heat",
+        "Every packing on every hardware",
+        "The largest error below the far plane; rows that stay dark are safe everywhere.",
+    );
+    let errors = measured.dossiers.iter().flat_map(|d| &d.certificates);
+    section.push(HeatMap {
+        id: "heat".into(),
+        title: "Largest error".into(),
+        caption: "Stores, samplers and arithmetics across; hardware of each kind exists.".into(),
+        row_name: "packing".into(),
+        column_name: "store, sampler or arithmetic".into(),
+        rows: measured.dossiers.iter().map(|d| d.name.clone()).collect(),
+        columns: SETTINGS.iter().map(|s| s.name.to_string()).collect(),
+        values: errors.map(|c| Some(c.max.error)).collect(),
+        scale: Scale::Log,
+        unit: String::new(),
+        digits: 2,
+    });
+    section
+}
+
+/// Error against depth, one figure per pair of operations.
+pub(super) fn curves(measured: &Measured) -> Section {
+    let mut section = Section::new(
+        "curves",
+        "Error against depth",
+        "Largest error in 256 slices of depth, f32, a store that rounds and one that truncates; \
+         dashed, the proved bound. Packings with the same operations share a figure.",
+    );
+    let mut done: Vec<Packing> = Vec::new();
+    for packing in measured.dossiers.iter().filter_map(|d| d.packing) {
+        if !done.contains(&packing.original()) {
+            done.push(packing.original());
+            section.push(curve(packing));
+        }
+    }
+    section.folded()
+}
+
+fn curve(packing: Packing) -> Plot {
+    let mut series = Vec::new();
+    let stores = [(ByteStore::Truncate, Colour::Orange), (ByteStore::HalfEven, Colour::Blue)];
+    for (store, colour) in stores {
+        let slices = error_curve(packing, Conditions::plain(store), SLICES);
+        let line = |name: String, style, points| Series { name, style, colour, points };
+        let measured = slices.iter().map(|s| (s.depth, s.measured)).collect();
+        let theory: Vec<(f64, f64)> =
+            slices.iter().filter_map(|s| Some((s.depth, s.theory?))).collect();
+        series.push(line(format!("{store}, measured"), Style::Steps, measured));
+        if !theory.is_empty() {
+            series.push(line(format!("{store}, bound"), Style::Theory, theory));
+        }
+    }
+    Plot {
+        id: format!("curve-{packing}"),
+        title: format!("{packing}: error against depth"),
+        caption: packing.about(),
+        x: Axis { range: Some((0.0, 1.0)), ..Axis::linear("window depth") },
+        y: Axis::log("largest error [window depth]"),
+        series,
+        markers: Vec::new(),
+    }
+}
+
+/// LINEAR filtering: a table of every packing, and an image of some.
+pub(super) fn filters() -> Section {
+    let slope = Slope { step: 1.0 / 1024.0 };
+    let mut section = Section::new(
+        "filter",
+        "LINEAR filtering of packed bytes",
+        "Two neighbouring texels 1/1024 apart in depth, every fraction between them: what the blend \
+         of their bytes decodes to, less the blend of their depths. Even where that is exact, an \
+         average of depths is not an average of verdicts.",
+    );
+    let mut table = Table::new("filter", "Largest error over depths below 1 and all fractions.")
+        .column("packing", "", "")
+        .column("full precision", "window depth", "f32 weights and result, as measured")
+        .column("8-bit result", "window depth", "mip maps, blurred byte targets");
+    let mut images: Vec<(String, Vec<f32>)> = Vec::new();
+    for &packing in Packing::ALL.iter().filter(|p| p.original() == **p) {
+        let sweep = |result| FilterSweep::new(packing, result, slope, SWEEP.0, SWEEP.1);
+        let (full, byte) = (sweep(FilterResult::Full), sweep(FilterResult::Byte));
+        let cells = [Cell::Number(full.max(), 3), Cell::Number(byte.max(), 3)];
+        table.push([vec![Cell::Code(packing.to_string())], cells.to_vec()].concat());
+        if [Packing::Book, Packing::Aras2009, Packing::ThreeRgba, Packing::Digits24]
+            .contains(&packing)
+        {
+            images.push((format!("error.signed.{packing}"), full.errors));
+        }
+    }
+    section.push(table);
+    section.push(ExrImage {
+        id: "filter-error".into(),
+        width: SWEEP.0,
+        height: SWEEP.1,
+        channels: images,
+        metadata: json!({
+            "x": "window depth (i + 0.5)/width of the first texel",
+            "y": "filter fraction, 0 at the bottom, 1 at the top",
+            "values": "decoded(blend of bytes) - blend of depths, f32 weights",
+            "step": slope.step,
+        }),
+    });
+    section
+}
+
+/// World-space resolution against distance, one figure per mapping.
+pub(super) fn resolution() -> Section {
+    let mut section = Section::new(
+        "resolution",
+        "What one step is worth in the world",
+        "Length from a stored depth to its neighbour, near 0.1, far 1000; dashed, the format's \
+         quantum times dZ/dd. A bias below this length cannot work.",
+    );
+    let formats = [
+        DepthFormat::Unorm8,
+        DepthFormat::Unorm16,
+        DepthFormat::Unorm24,
+        DepthFormat::F16,
+        DepthFormat::Bf16,
+        DepthFormat::F32,
+    ];
+    for &kind in MappingKind::ALL {
+        let mapping = DepthMapping::new(kind, NEAR, FAR).expect("valid planes");
+        section.push(resolution_plot(mapping, &formats));
+    }
+    section.push(resolution_table(&formats));
+    section
+}
+
+fn resolution_plot(mapping: DepthMapping, formats: &[DepthFormat]) -> Plot {
+    let kind = mapping.kind();
+    let mut series = Vec::new();
+    for (i, &format) in formats.iter().enumerate() {
+        let curve = WorldResolution { format, mapping }.curve(200);
+        let colour = Colour::series(i);
+        let measured = curve.iter().map(|&(z, step, _)| (z, step.unwrap_or(f64::NAN))).collect();
+        let theory = curve.iter().map(|&(z, _, theory)| (z, theory)).collect();
+        let name = format.to_string();
+        series.push(Series { name, style: Style::Line, colour, points: measured });
+        if format == DepthFormat::Unorm16 {
+            let name = "unorm16, theory".to_string();
+            series.push(Series { name, style: Style::Theory, colour: Colour::Ink, points: theory });
+        }
+    }
+    Plot {
+        id: format!("resolution-{kind}"),
+        title: format!("Resolution, {kind}"),
+        caption: kind.about(),
+        x: Axis::log("distance from the light [world]"),
+        y: Axis::log("one step [world]"),
+        series,
+        markers: Vec::new(),
+    }
+}
+
+fn resolution_table(formats: &[DepthFormat]) -> Table {
+    const DISTANCES: [f64; 5] = [0.2, 1.0, 10.0, 100.0, 900.0];
+    let mut table = Table::new("resolution", "One step in world units at five distances.")
+        .column("mapping", "", "")
+        .column("format", "", "");
+    for z in DISTANCES {
+        table = table.column(&format!("at {z}"), "world", "");
+    }
+    for &kind in MappingKind::ALL {
+        let mapping = DepthMapping::new(kind, NEAR, FAR).expect("valid planes");
+        for &format in formats {
+            let world = WorldResolution { format, mapping };
+            let steps = DISTANCES.iter().map(|&z| Cell::number(world.step_at(z)));
+            let names = [kind.name().into(), Cell::Code(format.to_string())];
+            table.push(names.into_iter().chain(steps).collect());
+        }
+    }
+    table
+}

@@ -1,0 +1,102 @@
+//! glTF accessors read with checked arithmetic: every offset is proved inside its buffer first.
+
+use crate::{Error, Result};
+use glam::Vec3;
+use gltf::accessor::{DataType, Dimensions};
+
+/// The bytes of an accessor: start, stride and element size are known to fit.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+    count: usize,
+}
+
+impl<'a> Elements<'a> {
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> + '_ {
+        (0..self.count).map(|i| &self.bytes[i * self.stride..i * self.stride + self.size])
+    }
+}
+
+fn elements<'a>(
+    place: &str,
+    accessor: &gltf::Accessor<'_>,
+    buffers: &'a [Vec<u8>],
+) -> Result<Elements<'a>> {
+    let bad = |reason: String| Error::bad_input(place, reason, "export the scene again");
+    if accessor.sparse().is_some() {
+        return Err(bad("is a sparse accessor, which is not supported".into()));
+    }
+    let view = accessor.view().ok_or_else(|| bad("has no buffer view".into()))?;
+    let size = accessor.size() as u64;
+    let stride = view.stride().map_or(size, |s| s as u64);
+    let count = accessor.count() as u64;
+    if count == 0 || stride < size {
+        return Err(bad(format!(
+            "has count {count} and stride {stride} for elements of {size} bytes"
+        )));
+    }
+    let length = (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size));
+    let start = (view.offset() as u64).checked_add(accessor.offset() as u64);
+    let within_view = length
+        .and_then(|n| n.checked_add(accessor.offset() as u64))
+        .is_some_and(|end| end <= view.length() as u64);
+    let buffer = buffers.get(view.buffer().index()).map_or(&[][..], Vec::as_slice);
+    let range = start.zip(length).and_then(|(s, n)| {
+        let end = s.checked_add(n)?;
+        buffer.get(usize::try_from(s).ok()?..usize::try_from(end).ok()?)
+    });
+    match range {
+        Some(bytes) if within_view => Ok(Elements {
+            bytes,
+            stride: stride as usize,
+            size: size as usize,
+            count: count as usize,
+        }),
+        _ => Err(bad(format!("reads beyond its buffer of {} bytes", buffer.len()))),
+    }
+}
+
+/// Number of elements, for limits, before anything is read.
+pub(super) fn count(accessor: &gltf::Accessor<'_>) -> u64 {
+    accessor.count() as u64
+}
+
+/// Positions: three floats each.
+pub(super) fn positions(
+    place: &str,
+    accessor: &gltf::Accessor<'_>,
+    buffers: &[Vec<u8>],
+) -> Result<Vec<Vec3>> {
+    if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
+        return Err(Error::bad_input(
+            place,
+            "positions are not three floats each",
+            "export without mesh quantization",
+        ));
+    }
+    let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+    let elements = elements(place, accessor, buffers)?;
+    Ok(elements.iter().map(|b| Vec3::new(float(b), float(&b[4..]), float(&b[8..]))).collect())
+}
+
+/// Indices: one unsigned integer of 8, 16 or 32 bits each.
+pub(super) fn indices(
+    place: &str,
+    accessor: &gltf::Accessor<'_>,
+    buffers: &[Vec<u8>],
+) -> Result<Vec<u32>> {
+    let read: fn(&[u8]) -> u32 = match (accessor.data_type(), accessor.dimensions()) {
+        (DataType::U8, Dimensions::Scalar) => |b| u32::from(b[0]),
+        (DataType::U16, Dimensions::Scalar) => |b| u32::from(u16::from_le_bytes([b[0], b[1]])),
+        (DataType::U32, Dimensions::Scalar) => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        _ => {
+            return Err(Error::bad_input(
+                place,
+                "indices are no unsigned integers",
+                "export the scene again",
+            ));
+        }
+    };
+    Ok(elements(place, accessor, buffers)?.iter().map(read).collect())
+}

@@ -1,0 +1,40 @@
+//! Wavefront OBJ: positions and faces only; material files are never opened.
+
+use super::files::{Budget, Limits};
+use super::{LoadedScene, check_indices, check_positions};
+use crate::scene::shapes::Mesh;
+use crate::{Error, Result};
+use glam::{Mat4, Vec3};
+use std::path::Path;
+
+pub(super) fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
+    let mut budget = Budget::new(limits);
+    let bytes = budget.read(path)?;
+    let place = path.display().to_string();
+    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
+    let (models, _) = tobj::load_obj_buf(&mut bytes.as_slice(), &options, |_| {
+        Ok((Vec::new(), Default::default()))
+    })
+    .map_err(|e| Error::bad_input(&place, format!("is no usable OBJ ({e})"), "repair the file"))?;
+    let mut scene = LoadedScene::default();
+    for (i, model) in models.into_iter().enumerate() {
+        let at = format!("{place}: object {i} '{}'", model.name);
+        let mesh = model.mesh;
+        budget.vertices(&at, mesh.positions.len() as u64 / 3)?;
+        budget.indices(&at, mesh.indices.len() as u64)?;
+        if mesh.indices.is_empty() {
+            continue;
+        }
+        if mesh.indices.len() % 3 != 0 {
+            let reason = format!("has {} indices, no multiple of 3", mesh.indices.len());
+            return Err(Error::bad_input(at, reason, "export triangles"));
+        }
+        let positions = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
+        let triangles = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        let mesh = Mesh::new(positions, triangles, Vec3::splat(0.8));
+        check_positions(&at, &mesh)?;
+        check_indices(&at, &mesh)?;
+        scene.parts.push((format!("{}#{i}", model.name), mesh, Mat4::IDENTITY));
+    }
+    Ok(scene)
+}

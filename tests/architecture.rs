@@ -1,0 +1,198 @@
+//! The structure that lib.rs promises: layers, file sizes, one responsibility a file, catalogues.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Layer of each module of the crate; siblings are listed in [`SIBLINGS`].
+const LAYERS: &[(&str, u8)] = &[
+    ("error", 0),
+    ("catalogue", 0),
+    ("num", 0),
+    ("simd", 0),
+    ("depth", 1),
+    ("view", 1),
+    ("device", 2),
+    ("light", 2),
+    ("camera", 2),
+    ("scene", 3),
+    ("shadow", 4),
+    ("truth", 4),
+    ("raster", 5),
+    ("engines", 5),
+    ("report", 6),
+    ("output", 6),
+    ("analysis", 7),
+    ("conformance", 7),
+    ("stress", 7),
+    ("harness", 8),
+];
+
+/// Modules of one layer that may import each other: the report's writers publish through `output`.
+const PAIRED: &[(&str, &str)] = &[("report", "output"), ("depth", "view")];
+
+const LONGEST_FILE: usize = 400;
+const LONGEST_FUNCTION: usize = 80;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn rust_files(folder: &str) -> Vec<PathBuf> {
+    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                walk(&path, found);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    walk(&root().join(folder), &mut found);
+    found.sort();
+    assert!(!found.is_empty(), "{folder} holds no Rust file");
+    found
+}
+
+fn name(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap_or(path).display().to_string()
+}
+
+/// The crate's module that a file under src belongs to.
+fn module(path: &Path) -> String {
+    let relative = path.strip_prefix(root().join("src")).unwrap();
+    let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
+    first.trim_end_matches(".rs").to_string()
+}
+
+/// Modules named by `crate::module` in code (comments left out).
+fn imports(text: &str) -> Vec<String> {
+    let code = text.lines().filter(|l| !l.trim_start().starts_with("//"));
+    let mut found = Vec::new();
+    for line in code {
+        for (at, _) in line.match_indices("crate::") {
+            let rest = &line[at + 7..];
+            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+            found.push(rest[..end].to_string());
+        }
+    }
+    found
+}
+
+#[test]
+fn no_module_imports_a_higher_layer_or_a_sibling() {
+    let layers: BTreeMap<&str, u8> = LAYERS.iter().copied().collect();
+    let mut checked = 0;
+    for path in rust_files("src") {
+        let own = module(&path);
+        if own == "lib" {
+            continue;
+        }
+        let layer = *layers.get(own.as_str()).unwrap_or_else(|| panic!("{own} has no layer"));
+        for import in imports(&fs::read_to_string(&path).unwrap()) {
+            let Some(&other) = layers.get(import.as_str()) else { continue };
+            let pair = |a: &str, b: &str| PAIRED.contains(&(a, b)) || PAIRED.contains(&(b, a));
+            let fine = import == own || layer == 0 || other < layer || pair(&own, &import);
+            assert!(fine, "{} (layer {layer}) imports {import} (layer {other})", name(&path));
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "only {checked} imports were seen: the scan is broken");
+}
+
+#[test]
+fn files_are_short_and_say_what_they_are_for() {
+    for folder in ["src", "experiments", "tests"] {
+        for path in rust_files(folder) {
+            let text = fs::read_to_string(&path).unwrap();
+            let lines = text.lines().count();
+            assert!(lines <= LONGEST_FILE, "{} has {lines} lines", name(&path));
+            assert!(text.starts_with("//!"), "{} does not begin with //!", name(&path));
+        }
+    }
+    for path in fs::read_dir(root().join("experiments")).unwrap().flatten() {
+        let path = path.path();
+        if path.extension().is_some_and(|e| e == "rs") {
+            let lines = fs::read_to_string(&path).unwrap().lines().count();
+            assert!(lines <= 120, "{} has {lines} lines", name(&path));
+        }
+    }
+}
+
+#[test]
+fn functions_are_short() {
+    let mut lengths = Vec::new();
+    for path in rust_files("src") {
+        let text = fs::read_to_string(&path).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        for (i, line) in lines.iter().enumerate() {
+            let indent = line.len() - line.trim_start().len();
+            let head =
+                line.trim_start().trim_start_matches("pub(super) ").trim_start_matches("pub ");
+            let head = head.trim_start_matches("const ").trim_start_matches("unsafe ");
+            if !head.starts_with("fn ") {
+                continue;
+            }
+            let closing = format!("{}}}", " ".repeat(indent));
+            let end = lines[i..].iter().position(|l| *l == closing).unwrap_or(0);
+            assert!(end < LONGEST_FUNCTION, "{}:{} has {end} lines", name(&path), i + 1);
+            lengths.push(end + 1);
+        }
+    }
+    lengths.sort_unstable();
+    let median = lengths[lengths.len() / 2];
+    assert!(lengths.len() > 200 && median <= 10, "median of {} is {median}", lengths.len());
+}
+
+#[test]
+fn unsafe_stays_in_its_one_file() {
+    for path in rust_files("src") {
+        let text = fs::read_to_string(&path).unwrap();
+        let word = ["unsafe", " {"].concat();
+        assert!(!text.contains(&word) || module(&path) == "simd", "{} is unsafe", name(&path));
+    }
+}
+
+#[test]
+fn result_paths_use_no_float_function_of_unspecified_precision() {
+    const FORBIDDEN: &[&str] = &[
+        "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp",
+        "exp2", "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "powf", "powi", "cbrt", "hypot",
+        "sin_cos",
+    ];
+    for path in rust_files("src") {
+        let text = fs::read_to_string(&path).unwrap();
+        for word in FORBIDDEN {
+            let call = format!(".{word}(");
+            let hit = text.lines().find(|l| l.contains(&call) && !l.contains("libm::"));
+            assert!(hit.is_none(), "{}: {}", name(&path), hit.unwrap_or_default().trim());
+        }
+    }
+}
+
+#[test]
+fn every_experiment_is_a_binary() {
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    for entry in fs::read_dir(root().join("experiments")).unwrap().flatten() {
+        let path = entry.path();
+        if path.extension().is_some_and(|e| e == "rs") {
+            let line = format!("path = \"{}\"", name(&path));
+            assert!(manifest.contains(&line), "Cargo.toml lacks {line}");
+        }
+    }
+}
+
+#[test]
+fn no_committed_text_names_a_machine() {
+    let mut texts: Vec<PathBuf> = ["src", "experiments", "tests"].map(rust_files).concat();
+    texts.extend(["README.md", "Cargo.toml"].map(|f| root().join(f)));
+    let forbidden = [["../", "shared"].concat(), ["/", "work/"].concat(), ["/", "root/"].concat()];
+    for path in texts {
+        let text = fs::read_to_string(&path).unwrap();
+        for word in &forbidden {
+            assert!(!text.contains(word.as_str()), "{} names {word}", name(&path));
+        }
+    }
+}
