@@ -45,7 +45,7 @@ class Panel {
   predicted(pair, name) {
     const all = this.about.pairs.find((about) => about.name === pair.name).predicted.filter(({ precision }) => precision === pair.precision);
     const shown = all.map((each) => `${pair[name] === each[name] ? "= " : ""}${plain(each[name] ?? Infinity)} ${each.on}${each.overflows ? " (overflows)" : ""}`);
-    return shown.join("; ");
+    return make("span", {}, ...shown.map((text) => make("div", {}, text)));
   }
 
   pairs({ packings, webgpu }) {
