@@ -16,7 +16,11 @@ pub struct Projected {
     viewport: [u32; 2],
 }
 
-/// Sub-pixel position of a clip-space point.
+/// No snapped coordinate is larger: differences of two fit i64, products of differences i128, also for
+/// vertices at infinity and in the eye's plane (w = 0), whose triangles are clipped or dropped later.
+const FARTHEST: i64 = 1 << 60;
+
+/// Sub-pixel position of a clip-space point, at most [`FARTHEST`] from the origin.
 fn snap(device: &Device, viewport: [u32; 2], v: Vec4) -> [i64; 2] {
     let half = (1u32 << (device.subpixel_bits - 1)) as f32;
     let axis = |x: f32, size: u32| match device.setup {
@@ -30,7 +34,7 @@ fn snap(device: &Device, viewport: [u32; 2], v: Vec4) -> [i64; 2] {
             (scale - f64::from(half) + ndc * scale).round_ties_even() as i64
         }
     };
-    [axis(v.x, viewport[0]), axis(v.y, viewport[1])]
+    [axis(v.x, viewport[0]), axis(v.y, viewport[1])].map(|s| s.clamp(-FARTHEST, FARTHEST))
 }
 
 impl Projected {
