@@ -230,7 +230,7 @@ fn fan(centre: Point, spokes: u32, random: &mut Random) -> Vec<[Point; 3]> {
 /// A plane cut along every second cell of a grid with cells of `cell` sub-pixels: two triangles for each
 /// cell kept.
 fn cheese(cell: i64) -> Vec<[Point; 3]> {
-    let cells = (i64::from(SIZE) * FINE / cell).min(128);
+    let cells = (i64::from(SIZE) * FINE / cell).min(48);
     let kept = (0..cells * cells).map(|i| (i % cells, i / cells)).filter(|(x, y)| (x + y) % 2 == 0);
     kept.flat_map(|(x, y)| {
         let at = |i: i64, j: i64| [(x + i) * cell - FINE / 2, (y + j) * cell - FINE / 2];

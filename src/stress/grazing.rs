@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 /// Edge of a texel, world units.
 const TEXEL: f64 = 0.125;
 /// Texels per side of the map.
-const SIZE: u32 = 32;
+const SIZE: u32 = 16;
 /// Azimuths of the gradient in the texel grid: name, cos φ, sin φ.
 const AZIMUTHS: [(&str, f64, f64); 3] =
     [("axis", 1.0, 0.0), ("oblique", 0.8, 0.6), ("diagonal", HALF_ROOT, HALF_ROOT)];
@@ -107,7 +107,7 @@ fn smallest_offset(degrees: f64, cos: f64, sin: f64) -> f64 {
         sheet.critical(gx * d.x + gy * d.y + d.z) <= 0.0
     };
     let (mut low, mut high) = (0.0, 2.0 * TEXEL);
-    for _ in 0..40 {
+    for _ in 0..30 {
         let middle = (low + high) / 2.0;
         if clean(middle) { high = middle } else { low = middle }
     }

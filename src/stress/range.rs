@@ -131,7 +131,7 @@ fn at_distance(effort: &Effort, (kind, format): (MappingKind, DepthFormat)) -> R
     let formula = "Z(Z − t) = K·t/q with K = nf/(f − n), q the format's step";
     let forecast = Forecast::at(Fate::Breaks, store.first_merged(), store.name(), event, formula)
         .curve(&distances, half);
-    let measured = onset(0.2, 1e7, 2000, |z| !store.usable(z, effort.samples));
+    let measured = onset(0.2, 1e7, 700, |z| !store.usable(z, effort.samples));
     let curve = distances.iter().map(|&z| (z, store.error(z, effort.samples))).collect();
     let at_far = store.quantum_world(0.999 * store.mapping.far());
     let note = format!("One step near the far plane at 10⁸ is {} world units.", text(at_far));
@@ -175,7 +175,7 @@ fn at_ratio(effort: &Effort, kind: MappingKind, format: DepthFormat) -> Row {
     let half = |r: f64| store(r).quantum_world(0.999 * far(r)) / 2.0;
     let forecast = forecast.curve(&ratios, |r| half(r).min(far(r)));
     let bad = |r: f64| !store(r).usable(far(r), effort.samples);
-    let measured = onset(10.0, RATIO, 1000, bad);
+    let measured = onset(10.0, RATIO, 500, bad);
     let error = |&r: &f64| (r, store(r).error(0.999 * far(r), effort.samples));
     forecast.met(measured, ratios.iter().map(error).collect())
 }

@@ -1,0 +1,79 @@
+//! The verdict table: every row within 5 % of its forecast, and rows that can fail.
+
+use gnomon::report::Profile;
+use gnomon::stress::{Effort, Fate, Stress, document, run};
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+fn stresses() -> &'static [Stress] {
+    static ALL: OnceLock<Vec<Stress>> = OnceLock::new();
+    ALL.get_or_init(|| run(&Effort { samples: 512, seed: 1 }, || ()))
+}
+
+#[test]
+fn every_onset_is_within_five_per_cent_of_its_forecast() {
+    let rows = || stresses().iter().flat_map(|s| &s.rows);
+    for row in rows() {
+        let f = &row.forecast;
+        println!(
+            "{:28} {:?} {:?} {:.3e} | {}",
+            f.name,
+            f.onset,
+            row.measured,
+            row.relative_error(),
+            row.sentence()
+        );
+    }
+    let outside: Vec<_> = rows().filter(|r| !r.agrees()).map(|r| &r.forecast.name).collect();
+    assert!(outside.is_empty(), "outside 5 %: {outside:?}");
+    assert!(rows().count() >= 45, "{} rows", rows().count());
+    let onsets = rows().filter(|r| r.measured.is_some()).count();
+    assert!(onsets >= 30, "only {onsets} rows have an onset");
+}
+
+#[test]
+fn rows_are_named_once_and_their_curves_are_finite() {
+    let mut names = BTreeSet::new();
+    for row in stresses().iter().flat_map(|s| &s.rows) {
+        let name = &row.forecast.name;
+        assert!(names.insert(name), "{name} twice");
+        assert!(row.curve.len() >= 5 && row.forecast.theory.len() >= 5, "{name} has no curve");
+        let points = row.curve.iter().chain(&row.forecast.theory);
+        assert!(points.flat_map(|p| [p.0, p.1]).all(f64::is_finite), "{name} is not finite");
+        assert!((row.forecast.fate == Fate::Holds) == row.forecast.onset.is_none(), "{name}");
+    }
+}
+
+/// The transform's error stays below γ₄Σ|m||p| and the sharp staircase below it.
+#[test]
+fn the_transform_keeps_its_bound() {
+    let row = stresses().iter().flat_map(|s| &s.rows).find(|r| r.forecast.name == "f32-transform");
+    let row = row.expect("the row");
+    for (measured, theory) in row.curve.iter().zip(&row.forecast.theory) {
+        // The theory leaves out what is relative to the scene's size, one ulp of the depth itself.
+        assert!(measured.1 <= 1.01 * theory.1 + 2e-7, "{measured:?} above {theory:?}");
+    }
+    assert!(row.note.contains("never exceeds"), "{}", row.note);
+}
+
+/// The store's error is half a quantum, at every distance and in every format.
+#[test]
+fn stored_distances_err_by_half_a_quantum() {
+    for row in &stresses()[0].rows {
+        for (measured, theory) in row.curve.iter().zip(&row.forecast.theory) {
+            let name = &row.forecast.name;
+            // Float binades change within the looked-at step; the first order breaks down near far.
+            assert!(measured.1 <= 2.2 * theory.1 + 1e-9, "{name}: {measured:?} above {theory:?}");
+        }
+    }
+}
+
+#[test]
+fn the_report_repeats_itself_and_stays_small() {
+    let options = document::Options { profile: Profile::Quick, seed: 1 };
+    let files = document::report(&options, || ()).files();
+    let bytes: usize = files.iter().map(|f| f.bytes.len()).sum();
+    assert!(bytes < 1 << 20, "{bytes} bytes");
+    let again = document::report(&options, || ()).files();
+    assert!(files.iter().zip(&again).all(|(a, b)| a.bytes == b.bytes), "bytes differ");
+}
