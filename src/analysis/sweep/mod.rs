@@ -7,6 +7,7 @@ pub mod gate;
 pub mod looks;
 pub mod pictures;
 pub mod plan;
+mod reading;
 pub mod report;
 pub mod tally;
 
