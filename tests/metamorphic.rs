@@ -86,8 +86,9 @@ fn acne_shrinks_and_leaks_grow_with_the_bias() {
         let mut bias = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             // Log-uniform over nine decades and both signs.
-            let magnitude = f32::from_bits(0x3000_0000 + (state >> 8) % 0x0f00_0000);
-            if state & 1 == 0 { magnitude } else { -magnitude }
+            let step = (u64::from(state) * 0x0f00_0000) >> 32;
+            let magnitude = f32::from_bits(0x3000_0000 + step as u32);
+            if state & 0x1000 == 0 { magnitude } else { -magnitude }
         };
         for _ in 0..2500 {
             let (a, b) = (bias(), bias());

@@ -60,9 +60,13 @@ fn the_transform_keeps_its_bound() {
 #[test]
 fn stored_distances_err_by_half_a_quantum() {
     for row in &stresses()[0].rows {
-        for (measured, theory) in row.curve.iter().zip(&row.forecast.theory) {
+        // Beyond that the format has no step left to speak of: its quantum is as large as the distance.
+        let fine = |p: &(&(f64, f64), &(f64, f64))| p.1.1 < 0.02 * p.1.0;
+        let pairs: Vec<_> = row.curve.iter().zip(&row.forecast.theory).filter(fine).collect();
+        assert!(pairs.len() >= 3, "{}: {} distances", row.forecast.name, pairs.len());
+        for (measured, theory) in pairs {
             let name = &row.forecast.name;
-            // Float binades change within the looked-at step; the first order breaks down near far.
+            // A float's step doubles at a binade, which the looked-at phases may cross.
             assert!(measured.1 <= 2.2 * theory.1 + 1e-9, "{name}: {measured:?} above {theory:?}");
         }
     }

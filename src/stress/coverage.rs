@@ -114,7 +114,7 @@ fn snapped_width(width: f64) -> f64 {
 
 /// A sliver's width down to nothing.
 pub(super) fn slivers(_: &Effort) -> Stress {
-    let widths = ladder(1e-4, 1.0, 49);
+    let widths = ladder(1e-4, 1.0, 25);
     let error = |w: f64| (snapped_width(w) / w - 1.0).abs();
     let event = "a sliver keeps an area";
     let formula = "half a sub-pixel, 2⁻⁹ pixel, rounds to none (ties to even)";

@@ -1,6 +1,7 @@
 //! The empty and degenerate set (T16): whatever is drawn, the map stays sound and the rest stays lit.
 
-use super::{Effort, Forecast, Stress};
+use super::search::{ladder, onset};
+use super::{Effort, Fate, Forecast, Stress};
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
 use crate::raster::{NO_TRIANGLE, Pass, PolygonOffset, Raster, draw};
@@ -20,11 +21,16 @@ fn set(name: &'static str, size: u32, corners: &[[f32; 4]], empty: u64) -> Set {
     Set { name, size, corners: corners.iter().map(|&c| Vec4::from_array(c)).collect(), empty }
 }
 
+/// A triangle over the whole map, cut by three of its sides.
+const OVER_THE_MAP: [[f32; 4]; 3] =
+    [[-3.0, -1.0, 0.0, 1.0], [3.0, -1.0, 0.0, 1.0], [0.0, 5.0, 0.0, 1.0]];
+
 fn sets() -> Vec<Set> {
     let nan = f32::NAN;
     let inf = f32::INFINITY;
-    let all = [[-3.0, -1.0, 0.0, 1.0], [3.0, -1.0, 0.0, 1.0], [0.0, 5.0, 0.0, 1.0]];
-    let scaled = |s: f32| all.map(|v| v.map(|c| c * s));
+    let all = OVER_THE_MAP;
+    let inner = [[-0.5, -0.5, 0.0, 1.0], [0.5, -0.5, 0.0, 1.0], [0.0, 0.5, 0.0, 1.0]];
+    let scaled = |s: f32| inner.map(|v: [f32; 4]| v.map(|c| c * s));
     let with = |bad: [f32; 4]| [all[0], all[1], bad];
     vec![
         set("empty scene", 16, &[], 0),
@@ -113,6 +119,41 @@ pub(super) fn sets_on_devices(_: &Effort) -> Stress {
         parameter: "number of the set",
         error: "faults",
         scale: Scale::Linear,
+        rows: vec![row],
+    }
+}
+
+/// Share of the map that a triangle over all of it misses, its homogeneous coordinates times `scale`.
+fn missed(scale: f64) -> f64 {
+    let corners = OVER_THE_MAP.map(|v| v.map(|c| c * scale as f32));
+    let raster = drawn(&DeviceProfile::Ideal.device(), &set("scaled", 16, &corners, 0));
+    let free = raster.triangle.iter().filter(|&&t| t == NO_TRIANGLE).count();
+    free as f64 / raster.triangle.len() as f64
+}
+
+/// Homogeneous coordinates so large that clipping overflows.
+pub(super) fn clip_scale(_: &Effort) -> Stress {
+    let scales = ladder(1.0, 1e30, 31);
+    // Cutting the bottom edge at x = −w, the largest product is 4s · 3s.
+    let predicted = f64::sqrt(f64::from(f32::MAX) / 12.0);
+    let event = "a triangle over the whole map, cut by its sides, loses texels";
+    let formula = "12·s² exceeds the largest f32: the clipper forms d·x of two coordinates";
+    let row = Forecast::at(Fate::Breaks, predicted, "clip-scale", event, formula)
+        .curve(&scales, |s| f64::from(u8::from(s > predicted)))
+        .met(
+            onset(1.0, 1e30, 400, |s| missed(s) > 0.0),
+            scales.iter().map(|&s| (s, missed(s))).collect(),
+        )
+        .noting("Triangles that need no clipping are drawn up to 10³⁰ and beyond.");
+    Stress {
+        id: "clip-scale",
+        title: "Homogeneous coordinates without measure",
+        lead: "Clip-space coordinates times s mean the same triangle. In f32 a clipped one is lost once \
+               products of two of them overflow. The curve is the share of the map that it misses."
+            .to_string(),
+        parameter: "scale s of the homogeneous coordinates",
+        error: "share of the map missed",
+        scale: Scale::Log,
         rows: vec![row],
     }
 }

@@ -18,7 +18,7 @@ fn smallest_kept(format: DepthFormat) -> f64 {
 }
 
 fn vanishing_row(name: String, device: &Device, format: DepthFormat, kept_from: f64) -> Row {
-    let depths = ladder(1e-46, 1.0, 47);
+    let depths = ladder(1e-46, 1.0, 24);
     let stored = |z: f64| f64::from(device.stored_depth(format, z as f32));
     let error = |z: f64| (stored(z) - z).abs() / z;
     let bound = |z: f64| match z < kept_from {
@@ -105,7 +105,7 @@ fn packings_row(name: &str, event: &str, depths: &[f32], group: &[(Packing, Opti
     let worst = |z: f32, error: &dyn Fn(Packing, f32) -> f64| {
         group.iter().map(|&(p, _)| error(p, z)).fold(0.0, f64::max)
     };
-    let shown: Vec<f32> = depths.iter().copied().step_by(16).chain([1.0]).collect();
+    let shown: Vec<f32> = depths.iter().copied().step_by(64).chain([1.0]).collect();
     let forecast = match earliest(&mut group.iter().map(|g| g.1)) {
         Some(onset) => Forecast::at(Fate::Breaks, onset, name, event, formula),
         None => Forecast::never(name, event, formula),
@@ -167,7 +167,7 @@ fn formats_row(depths: &[f32], event: &str) -> Row {
         let of = |&f: &DepthFormat| f64::from(device.stored_depth(f, z) - z).abs();
         DepthFormat::ALL.iter().map(of).fold(0.0, f64::max)
     };
-    let shown: Vec<f64> = depths.iter().step_by(16).chain([&1.0]).map(|&z| f64::from(z)).collect();
+    let shown: Vec<f64> = depths.iter().step_by(64).chain([&1.0]).map(|&z| f64::from(z)).collect();
     let coarsest = 0.5 / 255.0;
     let exact = DepthFormat::ALL.iter().filter(|&&f| device.stored_depth(f, 1.0) == 1.0).count();
     let note = format!("{exact} of {} formats return 1 for 1 exactly.", DepthFormat::ALL.len());

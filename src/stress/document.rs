@@ -114,41 +114,50 @@ fn cells(stress: &Stress, row: &Row) -> Vec<Cell> {
 
 fn section(stress: &Stress) -> Section {
     let mut section = Section::new(stress.id, stress.title, stress.lead.as_str());
-    section.push(Block::Plot(plot(stress)));
+    // A row of one: figures at half the page's width.
+    section.push(Block::Row(vec![Block::Plot(plot(stress))]));
     for row in &stress.rows {
         section.push(format!("{}: {}. {}", row.forecast.name, row.verdict(), row.sentence()));
     }
     section
 }
 
-/// Error against the parameter: measured points and, dashed in the same colour, the theory.
+/// Error against the parameter: measured points, and the theory of all rows as one dashed series.
 fn plot(stress: &Stress) -> Plot {
-    let series = |(i, row): (usize, &Row)| {
-        let colour = Colour::series(i);
-        let name = row.forecast.name.clone();
-        let theory = Series {
-            name: format!("{name}, theory"),
-            style: Style::Theory,
-            colour,
-            points: row.forecast.theory.clone(),
-        };
-        [theory, Series { name, style: Style::Points, colour, points: row.curve.clone() }]
+    let parted =
+        |row: &Row| row.forecast.theory.iter().copied().chain([(f64::NAN, f64::NAN)]).collect();
+    let theory = Series {
+        name: "theory".to_string(),
+        style: Style::Theory,
+        colour: Colour::Ink,
+        points: stress.rows.iter().flat_map(|row| -> Vec<(f64, f64)> { parted(row) }).collect(),
     };
+    let points = |(i, row): (usize, &Row)| Series {
+        name: row.forecast.name.clone(),
+        style: Style::Points,
+        colour: Colour::series(i),
+        points: row.curve.clone(),
+    };
+    let measured = stress.rows.iter().enumerate().map(points);
     let marker = |(i, row): (usize, &Row)| {
-        let x = row.forecast.onset?;
-        let label =
-            if stress.rows.len() > 3 { String::new() } else { "onset by theory".to_string() };
-        Some(Marker { x, label, colour: Colour::series(i) })
+        let label = "onset by theory".to_string();
+        Some(Marker { x: row.forecast.onset?, label, colour: Colour::series(i) })
     };
+    // More than three lines would hide what they mark; the table has them all.
+    let marked = stress.rows.iter().enumerate().take(if stress.rows.len() > 3 { 0 } else { 3 });
     Plot {
         id: format!("{}-plot", stress.id),
         title: stress.title.to_string(),
         caption: stress.lead.clone(),
         x: Axis { scale: stress.scale, ..Axis::linear(stress.parameter) },
         y: Axis::log(stress.error),
-        series: stress.rows.iter().enumerate().flat_map(series).collect(),
-        markers: stress.rows.iter().enumerate().filter_map(marker).collect(),
+        series: std::iter::once(theory).chain(measured).collect(),
+        markers: marked.filter_map(marker).collect(),
     }
+}
+
+fn column(points: &[(f64, f64)], of: impl Fn(&(f64, f64)) -> f64) -> Vec<f64> {
+    points.iter().map(of).collect()
 }
 
 fn results(options: &Options, stresses: &[Stress]) -> serde_json::Value {
@@ -164,8 +173,11 @@ fn results(options: &Options, stresses: &[Stress]) -> serde_json::Value {
             "within_5_percent": row.agrees(),
             "verdict": row.verdict(),
             "note": row.note,
-            "curve": row.curve,
-            "theory": row.forecast.theory,
+            "curve": {
+                "parameter": column(&row.curve, |p| p.0),
+                "error": column(&row.curve, |p| p.1),
+                "theory": column(&row.forecast.theory, |p| p.1),
+            },
         })
     };
     let stress = |s: &Stress| {

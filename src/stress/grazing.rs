@@ -50,11 +50,11 @@ fn constant_row(&(name, cos, sin): &(&str, f64, f64)) -> Row {
     let event = "the critical bias exceeds ten texel edges";
     let formula = "b* = (s/2)·tan θ·(|cos φ| + |sin φ|)";
     let forecast =
-        Forecast::at(Fate::Degrades, predicted, name, event, formula).curve(&angles(41), theory);
+        Forecast::at(Fate::Degrades, predicted, name, event, formula).curve(&angles(21), theory);
     let critical = |degrees: f64| tilted(degrees, cos, sin).critical(0.0) / TEXEL;
     let measured = onset(1.0, 89.99, 60, |degrees| critical(degrees) > BUDGET);
     let curve: Vec<_> =
-        angles(41).into_iter().map(|degrees| (degrees, critical(degrees))).collect();
+        angles(21).into_iter().map(|degrees| (degrees, critical(degrees))).collect();
     let steepest = curve[curve.len() - 1];
     let note = format!(
         "At {}° it is {} texel edges, {} of theory.",
@@ -125,10 +125,10 @@ fn offset_row(&(name, cos, sin): &(&str, f64, f64)) -> Row {
     let event = "the smallest sufficient normal offset exceeds a quarter of a texel edge";
     let formula = "d* = (s/2)·sin θ·(|cos φ| + |sin φ|) ≤ s/√2";
     let forecast =
-        Forecast::at(Fate::Degrades, predicted, name, event, formula).curve(&angles(33), theory);
+        Forecast::at(Fate::Degrades, predicted, name, event, formula).curve(&angles(21), theory);
     let needed = |degrees: f64| smallest_offset(degrees, cos, sin);
     let measured = onset(1.0, 89.99, 30, |degrees| needed(degrees) > HALF_OFFSET);
-    let curve: Vec<_> = angles(33).into_iter().map(|degrees| (degrees, needed(degrees))).collect();
+    let curve: Vec<_> = angles(21).into_iter().map(|degrees| (degrees, needed(degrees))).collect();
     let largest = curve.iter().map(|p| p.1).fold(0.0, f64::max);
     let note =
         format!("The largest up to 89.99° is {} texel edges: it stays bounded.", text(largest));
@@ -151,55 +151,60 @@ pub(super) fn normal_offset(_: &Effort) -> Stress {
 }
 
 /// Whether a wall of height 4 along the light, whose foot and top are `width` texels apart, is in the map.
-fn wall_survives(width: f64) -> bool {
+fn wall_survives(width: f64, offset: PolygonOffset) -> bool {
     let projection = Projection::Orthographic { width: 8.0, height: 8.0, near: 0.0, far: 16.0 };
     let matrix = projection.clip_from_view().as_mat4();
     let reach = width * TEXEL;
     // Columns of texel centres lie at odd multiples of 1/16: the wall's foot stands on one.
     let foot = 0.0625;
-    let corner = |(x, y, z): (f64, f64, f64)| {
-        device().mat_vec(&matrix, DVec3::new(x, y, z).as_vec3().extend(1.0))
-    };
-    let corners = [
-        (foot, -2.0, -4.0),
-        (foot + reach, -2.0, -8.0),
-        (foot + reach, 2.0, -8.0),
-        (foot, 2.0, -4.0),
-    ];
-    let pass = Pass {
-        size: [64; 2],
-        cull: Cull::None,
-        depth_buffer: DepthFormat::F32,
-        offset: PolygonOffset { factor: 1.0, units: 1.0, clamp: 0.0 },
-    };
+    let corner =
+        |[x, y, z]: [f64; 3]| device().mat_vec(&matrix, DVec3::new(x, y, z).as_vec3().extend(1.0));
+    let top = foot + reach;
+    let corners = [[foot, -2.0, -4.0], [top, -2.0, -8.0], [top, 2.0, -8.0], [foot, 2.0, -4.0]];
+    let pass = Pass { size: [64; 2], cull: Cull::None, depth_buffer: DepthFormat::F32, offset };
     let raster = draw(&device(), &pass, &corners.map(corner), &[[0, 1, 2], [0, 2, 3]]);
     assert!(raster.depth.iter().all(|z| !z.is_nan()), "a slope of 0·∞ never reaches the map");
     raster.triangle.iter().any(|&t| t != NO_TRIANGLE)
 }
 
+fn wall_row(name: &str, predicted: f64, formula: &str, offset: PolygonOffset) -> Row {
+    let widths = ladder(1e-4, 10.0, 31);
+    let there = |w: f64| f64::from(u8::from(w > predicted));
+    let event = "the wall is in the map";
+    let forecast =
+        Forecast::at(Fate::Breaks, predicted, name, event, formula).curve(&widths, there);
+    let seen = |w: f64| wall_survives(w, offset);
+    let measured = onset(1e-4, 10.0, 400, seen);
+    forecast.met(measured, widths.iter().map(|&w| (w, f64::from(u8::from(seen(w))))).collect())
+}
+
 /// The last step to 90°: a wall seen ever more edge-on.
 pub(super) fn edge_on(_: &Effort) -> Stress {
-    let widths = ladder(1e-5, 1.0, 41);
-    let event = "the wall still covers texels of its column";
-    let formula = "a width of half a sub-pixel, 2⁻⁹ texel, rounds to none (ties to even)";
-    let predicted = crate::num::exp2(-9);
-    let there = |x: f64| if x > predicted { 1.0 } else { 0.0 };
-    let forecast =
-        Forecast::at(Fate::Breaks, predicted, "edge-on", event, formula).curve(&widths, there);
-    let measured = onset(1e-5, 1.0, 400, wall_survives);
-    let curve = widths.iter().map(|&w| (w, f64::from(u8::from(wall_survives(w))))).collect();
-    let note = "Thinner than that the map has no wall at all, its slope is not evaluated, and what \
-                stands behind it is lit: edge-on faces are undefined in a shadow map, not acne.";
+    let snapped = "a width of half a sub-pixel, 2⁻⁹ texel, rounds to none (ties to even)";
+    // From 1/4 at its foot the wall's depth grows by 1/4 over its width: m = 1/(4 w).
+    let pushed =
+        "z + m ≥ 1 with z = 1/4 and m = 1/(4w): the offset carries the foot beyond depth 1";
+    let slope = PolygonOffset { factor: 1.0, units: 1.0, clamp: 0.0 };
+    let clamped = PolygonOffset { clamp: 0.25, ..slope };
+    let half_step = crate::num::exp2(-9);
+    let note = "Thinner than that its slope is not evaluated and what stands behind it is lit: \
+                edge-on faces are undefined in a shadow map, not acne.";
     Stress {
         id: "edge-on",
         title: "Edge-on: the last step to 90°",
-        lead: "A wall along the light whose foot and top are less and less of a texel apart, drawn with \
-               slope-scaled polygon offset. 1 = its triangles cover texels, 0 = they vanished."
-            .to_string(),
+        lead:
+            "A wall along the light whose foot and top are less and less of a texel apart, drawn \
+               without offset, with slope-scaled offset, and with its clamp. 1 = it is in the map."
+                .to_string(),
         parameter: "width of the wall as the light sees it [texels]",
         error: "wall in the map",
         scale: Scale::Log,
-        rows: vec![forecast.met(measured, curve).noting(note)],
+        rows: vec![
+            wall_row("edge-on", half_step, snapped, PolygonOffset::default()).noting(note),
+            wall_row("edge-on-slope-offset", 1.0 / 3.0, pushed, slope)
+                .noting("An unclamped slope offset loses whole casters at grazing light."),
+            wall_row("edge-on-clamped-offset", half_step, snapped, clamped),
+        ],
     }
 }
 

@@ -56,6 +56,7 @@ const ALL: &[fn(&Effort) -> Stress] = &[
     mediump::digits,
     mediump::overflow,
     degenerate::sets_on_devices,
+    degenerate::clip_scale,
 ];
 
 /// How many stresses there are.

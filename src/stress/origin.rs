@@ -30,7 +30,7 @@ const SPACING: f64 = 0.01;
 
 /// Vertices 1 cm apart, moved out.
 pub(super) fn spacing(_: &Effort) -> Stress {
-    let distances = ladder(1.0, 1e7, 57);
+    let distances = ladder(1.0, 1e7, 29);
     let vertex = |d: f64, i: u32| d + f64::from(i) * SPACING;
     let kept = |d: f64, i: u32| vertex(d, i) as f32;
     let worst =
@@ -118,7 +118,7 @@ fn transform_error(d: f64, effort: &Effort) -> (f64, f64) {
 
 /// One f32 matrix from world to light, moved out.
 pub(super) fn transform(effort: &Effort) -> Stress {
-    let distances = ladder(1e3, 1e7, 33);
+    let distances = ladder(1e3, 1e7, 25);
     let event = "the transform's error exceeds a bias of 0.0015";
     let formula =
         "ulp(2D/R)/2 > b: half an ulp from the product, half from the matrix entry, in NDC";
