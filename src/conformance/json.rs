@@ -35,7 +35,7 @@ impl<'a> Field<'a> {
     }
 
     /// The member `name`; `None` where absent or null.
-    pub(super) fn optional(&self, name: &str) -> Option<Field<'a>> {
+    pub(super) fn optional(&self, name: &str) -> Option<Self> {
         let value = self.value.get(name).filter(|v| !v.is_null())?;
         Some(Field { place: self.inside(name), value })
     }
@@ -47,18 +47,18 @@ impl<'a> Field<'a> {
     }
 
     /// The member `name`.
-    pub(super) fn get(&self, name: &str) -> Result<Field<'a>> {
+    pub(super) fn get(&self, name: &str) -> Result<Self> {
         self.optional(name)
             .ok_or_else(|| Error::bad_input(self.inside(name), "is missing", "add the field"))
     }
 
-    pub(super) fn items(&self) -> Result<Vec<Field<'a>>> {
+    pub(super) fn items(&self) -> Result<Vec<Self>> {
         let list = self.value.as_array().ok_or_else(|| self.bad("is no list", "give a list"))?;
         let item = |(i, value)| Field { place: format!("{}[{i}]", self.place), value };
         Ok(list.iter().enumerate().map(item).collect())
     }
 
-    pub(super) fn members(&self) -> Result<Vec<(&'a str, Field<'a>)>> {
+    pub(super) fn members(&self) -> Result<Vec<(&'a str, Self)>> {
         let map = self.value.as_object().ok_or_else(|| self.bad("is no object", "give one"))?;
         let member = |(name, value): (&'a String, &'a Value)| {
             (name.as_str(), Field { place: self.inside(name), value })

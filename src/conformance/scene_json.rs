@@ -26,8 +26,11 @@ pub struct SceneDump {
     /// Listed files, in the file's order.
     pub files: Vec<FileEntry>,
     /// Expected histograms of visibility files: name → value of a byte → count.
-    pub counts: Vec<(String, Vec<(u8, u64)>)>,
+    pub counts: Vec<(String, Histogram)>,
 }
+
+/// Value of a byte → number of covered pixels.
+pub type Histogram = Vec<(u8, u64)>;
 
 /// One listed binary file.
 #[derive(Clone, Debug)]
@@ -303,9 +306,9 @@ fn file(name: &str, field: &Field<'_>, case: &Case) -> Result<FileEntry> {
     })
 }
 
-fn counts(root: &Field<'_>) -> Result<Vec<(String, Vec<(u8, u64)>)>> {
+fn counts(root: &Field<'_>) -> Result<Vec<(String, Histogram)>> {
     let Some(counts) = root.optional("counts") else { return Ok(Vec::new()) };
-    let histogram = |field: &Field<'_>| -> Result<Vec<(u8, u64)>> {
+    let histogram = |field: &Field<'_>| -> Result<Histogram> {
         if let Some(hist) = field.optional("hist") {
             let items = hist.items()?;
             let bin = |(i, f): (usize, &Field<'_>)| Ok((i as u8, f.number()? as u64));

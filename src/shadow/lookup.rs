@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn breakpoints_are_the_first_lit_bias() {
         let pairs =
-            [(0.5, 0.499), (0.9, 0.9), (0.3, 0.7), (1.0, 0.0), (0.982_3, 0.982_299_97), (0.0, 0.0)];
+            [(0.5, 0.499), (0.9, 0.9), (0.3, 0.7), (1.0, 0.0), (0.982_3, 0.982_3), (0.0, 0.0)];
         for &rule in CompareRule::ALL {
             for (z, d) in pairs {
                 let b = breakpoint(rule, z, d);

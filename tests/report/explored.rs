@@ -23,7 +23,7 @@ impl Random {
     /// Breakpoints of one sample: mostly alike, as neighbouring texels are, sometimes all over.
     fn taps(&mut self, taps: usize) -> Vec<f32> {
         let base = self.breakpoint();
-        let wild = self.next() % 10 == 0;
+        let wild = self.next().is_multiple_of(10);
         let tap =
             |_| if wild { self.breakpoint() } else { base * (0.9 + 0.2 * self.unit()) as f32 };
         (0..taps).map(tap).collect()

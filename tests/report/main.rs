@@ -175,7 +175,7 @@ fn read_all_flat_layers_from_file_bytes(
     assert_eq!(layer.encoding.compression, Compression::ZIP16);
     assert_eq!(layer.encoding.line_order, LineOrder::Increasing);
     let attributes = layer.attributes.other.iter().chain(&image.attributes.other);
-    let texts: Vec<_> = attributes.filter(|(name, _)| name.to_string() == "gnomon").collect();
+    let texts: Vec<_> = attributes.filter(|(name, _)| *name == "gnomon").collect();
     assert_eq!(texts.len(), 1, "one text attribute");
     let AttributeValue::Text(json) = texts[0].1 else { panic!("the attribute is no text") };
     let read: serde_json::Value = serde_json::from_str(&json.to_string()).unwrap();

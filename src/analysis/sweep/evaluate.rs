@@ -169,12 +169,12 @@ fn by_values(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limit: i6
     let free = points.iter().rposition(|p| !quiet(p)).map_or(0, |i| i + 1);
     let acne_free = (free < points.len()).then(|| match free {
         0 => points[0],
-        _ => bisect(points[free - 1].amount, points[free], &at, quiet),
+        _ => bisect(points[free - 1].amount, points[free], at, quiet),
     });
     let pans = |p: &Point| p.tally.of(Kind::PeterPanning) > 0;
     let detachment = points.iter().position(pans).map(|i| match i {
         0 => points[0].amount,
-        _ => bisect(points[i - 1].amount, points[i], &at, pans).amount,
+        _ => bisect(points[i - 1].amount, points[i], at, pans).amount,
     });
     (swept.acne_free, swept.detachment) = (acne_free, detachment);
     swept

@@ -38,7 +38,7 @@ fn winner<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
 }
 
 /// Combinations at the case's own map size and format (or the first of each that was swept).
-fn own<'c>(case: &'c CaseSweep) -> Vec<&'c Swept> {
+fn own(case: &CaseSweep) -> Vec<&Swept> {
     let has = |name: &str| case.swept.iter().any(|s| s.format.name() == name);
     let first = case.swept.first();
     let format =
