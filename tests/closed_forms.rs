@@ -1,6 +1,7 @@
 //! Measured thresholds against the closed forms of planes, filters, normal offsets and scales.
 
 use glam::DVec3;
+use gnomon::analysis::budget::Budget;
 use gnomon::analysis::sweep::chart::{Attachment, Chart};
 use gnomon::analysis::sweep::tally::Kind;
 use gnomon::analysis::sweep::{Field, Question, Swept, sweep};
@@ -173,6 +174,24 @@ fn a_spot_needs_one_window_bias_everywhere() {
     let lit = swept.populations[0] as f64;
     let rate = swept.points[0].tally.of(Kind::Acne) as f64 / lit;
     assert!((rate - 0.5).abs() < 0.01, "half of the plane is dark without a bias: {rate}");
+}
+
+/// The components of a need add up to it, and on planes the slope's share is all of it within 5 %.
+#[test]
+fn budgets_add_up() {
+    for case in [
+        analytic::tilted_plane(0.5, 0.25),
+        analytic::dyadic_plane(),
+        analytic::spot_plane(0.5, 0.25),
+    ] {
+        let field = Field::new(&case, 1);
+        let budget = Budget::of(&field);
+        let total = budget.total.expect("acne ends");
+        assert!((budget.sum() - total).abs() <= 1e-12, "{}: {budget:?}", case.name);
+        assert!((budget.slope - total).abs() <= 0.05 * total, "{}: {budget:?}", case.name);
+        let half = budget.twice_the_map.expect("acne ends") / total;
+        assert!((half - 0.5).abs() < 0.03, "{}: a map of twice the size needs {half}", case.name);
+    }
 }
 
 /// A scene scaled by a power of two has the same verdicts to the bit.

@@ -3,10 +3,13 @@
 use gnomon::analysis::sweep::chart::{Attachment, Chart, usable_filter};
 use gnomon::analysis::sweep::evaluate::Taps;
 use gnomon::analysis::sweep::tally::Kind;
-use gnomon::analysis::sweep::{Field, Plan, Question, Range, looks, plan, sweep};
+use gnomon::analysis::sweep::{
+    Field, Plan, Question, Range, gate, looks, plan, report, run, sweep,
+};
 use gnomon::num::{from_ordinal, ordinal};
 use gnomon::raster::passes::Subject;
 use gnomon::raster::{NO_TRIANGLE, Pass, PolygonOffset, draw};
+use gnomon::report::Profile;
 use gnomon::scene::{Case, Filter, TexelFormat, cases};
 use gnomon::shadow::bias::{Family, Strategy};
 use gnomon::shadow::{ShadowMap, visibility};
@@ -180,4 +183,64 @@ fn impossible_sweeps_are_refused_in_a_sentence() {
     }
     assert!(plan::format_named("unorm13").is_err());
     assert!(plan::cases_named(&["no-such".into()]).is_err());
+}
+
+/// A bias that leaves acne fails its limit, one that does not passes.
+#[test]
+fn gates_judge_the_amounts_that_were_asked_for() {
+    let plan = |bias: &str| Plan {
+        cases: plan::cases_named(&["t1-tilted-plane".into()]).unwrap(),
+        sizes: vec![64],
+        formats: vec![plan::format_named("f32").unwrap()],
+        filters: vec![None],
+        strategies: vec![Strategy::Constant],
+        bias: bias.parse().unwrap(),
+        step: 8,
+        max_acne: 0.0,
+    };
+    let limits = gate::Limits { acne: Some(0.001), peter_panning: Some(gate::Length::Texels(2.0)) };
+    let failures = |bias: &str| gate::failures(&run(&plan(bias), || {}), &limits);
+    assert_eq!(failures("0.0001").len(), 1, "half of the plane is dark");
+    assert!(failures("0.01").is_empty(), "beyond the plane's threshold");
+    let sweeps = run(&plan("1e-6:1e-1:log:9"), || {});
+    let baseline = report::report(&plan("0.01"), &sweeps, Profile::Quick, 1, String::new()).results;
+    let same = gate::compare(&baseline, &sweeps).unwrap();
+    assert_eq!((same.worse.len(), same.better, same.same), (0, 0, 1), "{same:?}");
+    assert!(gate::compare(&serde_json::json!({}), &sweeps).is_err());
+}
+
+/// How long 10,000 amounts take against one, and against the literal rule. Run by hand:
+/// `cargo test --release --test sweep -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn ten_thousand_amounts_cost_as_much_as_one() {
+    let case = cases::named("fundamentals-spot").unwrap();
+    let field = Field::new(&case, 1);
+    let amounts = "1e-7:1e-1:log:10000".parse::<Range>().unwrap().values();
+    let time = |amounts: &[f32]| {
+        let start = std::time::Instant::now();
+        let chart = chart(&field, case.map.size, case.map.texel);
+        let question = Question { amounts, max_acne: 0.0 };
+        let swept = sweep(&chart, case.map.texel, Strategy::Constant, &question);
+        assert_eq!(swept.points.len(), amounts.len());
+        start.elapsed().as_secs_f64()
+    };
+    let best = |amounts: &[f32]| (0..5).map(|_| time(amounts)).fold(f64::INFINITY, f64::min);
+    let (one, many) = (best(&amounts[5000..5001]), best(&amounts));
+    let chart = chart(&field, case.map.size, case.map.texel);
+    let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0), None);
+    let start = std::time::Instant::now();
+    let few = &amounts[..50];
+    for &a in few {
+        looks::literal(&looks, case.lookup.compare, |_| a);
+    }
+    let literal = start.elapsed().as_secs_f64() / few.len() as f64;
+    println!(
+        "{} receivers: one amount {one:.4} s, 10,000 amounts {many:.4} s, ratio {:.2}; literal {:.5} s each, {:.0} times slower",
+        field.samples.len(),
+        many / one,
+        literal,
+        literal * 10_000.0 / many
+    );
+    assert!(many <= 1.5 * one, "{many} s against {one} s");
 }

@@ -50,7 +50,7 @@ pub fn share(text: &str) -> Result<f64> {
     Err(Error::bad_input(format!("'{text}'"), "not a share", "write 0.1% or 0.001"))
 }
 
-/// Limits that every combination of a sweep must meet at one of its amounts.
+/// Limits that every combination of a sweep must meet at one of the amounts that were asked for.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Limits {
     /// Largest share of the truly lit with acne.
@@ -87,8 +87,8 @@ fn failure(case: &CaseSweep, s: &Swept, limits: &Limits) -> Option<String> {
         Length::World(world) => world,
     });
     let acne = limits.acne.unwrap_or(1.0);
-    let all = || s.points.iter().chain(&s.acne_free);
-    if all().any(|p| rate(p) <= acne && !(p.gap > longest)) {
+    let all = || s.points.iter();
+    if all().any(|p| rate(p) <= acne && p.gap <= longest) {
         return None;
     }
     let best = all().min_by(|a, b| rate(a).total_cmp(&rate(b)))?;

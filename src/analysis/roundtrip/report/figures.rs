@@ -80,7 +80,8 @@ fn curve(packing: Packing) -> Plot {
         title: format!("{packing}: error against depth"),
         caption: packing.about(),
         x: Axis { range: Some((0.0, 1.0)), ..Axis::linear("window depth") },
-        y: Axis::log("largest error [window depth]"),
+        // One scale for all, so that figures compare.
+        y: Axis { range: Some((1e-11, 1.0)), ..Axis::log("largest error [window depth]") },
         series,
         markers: Vec::new(),
     }
