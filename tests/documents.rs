@@ -47,7 +47,7 @@ fn number(v: &Value) -> u64 {
 #[test]
 fn every_count_adds_up() {
     let list = results()["cases"].as_array().expect("cases");
-    assert_eq!(list.len(), cases::all().len());
+    assert_eq!(list.len(), 17, "13 systems of the documents and 4 closed forms");
     for case in list {
         let name = case["name"].as_str().expect("a name");
         let s = &case["samples"];

@@ -35,7 +35,7 @@ pub struct Options {
 /// The cases of a run.
 #[derive(Clone, Debug)]
 pub enum Which {
-    /// Every named case.
+    /// The documents' systems and the closed forms beside them.
     All,
     /// One named case.
     Named(String),
@@ -59,7 +59,7 @@ impl Options {
     /// [`crate::Error::BadInput`] for an unknown case.
     pub fn cases(&self) -> crate::Result<Vec<Case>> {
         let mut list = match &self.which {
-            Which::All => cases::all(),
+            Which::All => cases::main_job(),
             Which::Named(name) => vec![cases::named(name)?],
             Which::Own(case) => vec![Case::clone(case)],
         };

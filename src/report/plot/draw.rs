@@ -43,7 +43,10 @@ pub(super) fn png(plot: &Plot, size: Size) -> Vec<u8> {
     let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
     figure.draw(&area).expect("drawing into memory cannot fail");
     drop(area);
-    image::png(width, height, &pixels)
+    // Anti-aliasing makes more colours than a palette holds: 16 levels a channel look the same.
+    let level = |byte: u8| ((u16::from(byte) + 8) / 17 * 17) as u8;
+    let rounded: Vec<u8> = pixels.iter().map(|&byte| level(byte)).collect();
+    image::png(width, height, &rounded)
 }
 
 impl<'a> Figure<'a> {

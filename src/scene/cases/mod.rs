@@ -14,6 +14,18 @@ pub fn all() -> Vec<Case> {
     cases
 }
 
+/// The closed forms that the main job shows beside the documents' systems.
+const SHOWN: [&str; 4] = ["t1-tilted-plane", "t4-wall", "t7-sphere", "t11-plates"];
+
+/// The cases of the main job: the documents' systems, and one closed form of each kind.
+#[must_use]
+pub fn main_job() -> Vec<Case> {
+    let shown = |case: &Case| SHOWN.contains(&case.name.as_str());
+    let mut cases = documents::all();
+    cases.extend(all().into_iter().skip(cases.len()).filter(shown));
+    cases
+}
+
 /// The case of that name.
 ///
 /// # Errors
