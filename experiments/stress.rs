@@ -14,7 +14,7 @@ use std::process::ExitCode;
     version,
     after_help = "Examples:
   gnomon-stress                        all rows, report in reports/stress/
-  gnomon-stress --quick --out /tmp/s   an eighth of the samples: the profile of the committed report
+  gnomon-stress --quick --out quick/   an eighth of the samples
   gnomon-stress --quick --json -       the numbers on stdout
 Exit codes: 0 done, 1 this machine's floating-point mode is not the default, 2 bad input,
   4 cannot write, 130 interrupted."

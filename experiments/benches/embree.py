@@ -1,8 +1,8 @@
 """How fast is Embree 4 (robust mode) on the scenes that the truth bench wrote?
 
-    GNOMON_DUMP=/tmp/dump cargo bench --bench truth
+    GNOMON_DUMP=dump/ cargo bench --bench truth
     pip install embreex numpy        # any C compiler beside it
-    python3 experiments/benches/embree.py /tmp/dump
+    python3 experiments/benches/embree.py dump/
 
 Prints, on one thread: the build, one ray at a time, and coherent packets of 16, as processor time.
 The packets are called from C, since a call from Python costs more than a ray; the C code declares
