@@ -56,7 +56,6 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     #[command(flatten)]
     common: Common,
 }
-
 fn main() -> ExitCode {
     let args = Args::parse();
     run(move || body(&args))

@@ -28,12 +28,18 @@ impl Place {
     /// kZ²/(1 + kZ) with k = b(f − n)/(nf).
     #[must_use]
     pub fn world_from_window(&self, bias: f64) -> f64 {
+        self.lift(bias, 1.0)
+    }
+
+    /// [`Self::world_from_window`] in multiples of `unit`: everything but the bias is one constant, so
+    /// that only three roundings depend on it.
+    fn lift(&self, bias: f64, unit: f64) -> f64 {
         let range = self.far - self.near;
         match self.distance {
-            None => bias * range,
+            None => bias * (range / unit),
             Some(z) => {
-                let k = bias * (range / (self.near * self.far));
-                k * z * z / (1.0 + k * z)
+                let c = range / (self.near * self.far);
+                bias * (c * z * z / unit) / bias.mul_add(c * z, 1.0)
             }
         }
     }
@@ -57,7 +63,7 @@ impl Place {
     pub fn amount(&self, strategy: Strategy, bias: f64) -> Option<f64> {
         let amount = match self.lever(strategy)? {
             Lever::Window(scale) => bias / scale,
-            Lever::World(scale) => self.world_from_window(bias) / scale,
+            Lever::World(scale) => self.lift(bias, scale),
         };
         amount.is_finite().then_some(amount)
     }

@@ -175,7 +175,7 @@ mod tests {
         let complaint = |text: &str| Settings::parse("s.toml", text).unwrap_err().to_string();
         let text = complaint("[light]\nposition = [1, 2, 3]\nbrightness = 3\n");
         assert!(text.starts_with("s.toml: line 3") && text.contains("brightness"), "{text}");
-        let text = complaint("canvas = [1, 2, 3]\n");
+        let text = complaint("canvas = \"big\"\n");
         assert!(text.contains("line 1"), "{text}");
         let settings = Settings::parse("s.toml", "[map]\nformat = \"d17\"\n").expect("parses");
         let text = settings.texel().unwrap_err().to_string();
