@@ -107,22 +107,20 @@ fn power(base: f64, n: i32) -> f64 {
     (0..n).fold(1.0, |product, _| product * base)
 }
 
-/// Greatest error, over these digits, of storing k·step and reading k'/255. In base 255 f32 may fall
-/// short of k/255, and a truncating store then loses the whole byte. In base 256 the digits are exact
-/// in f32, so that the channel is one of 256 floats, fl(k/256 · fl(256·step)), all of them tried.
+/// Greatest error, over these digits, of storing k·step and reading k'/255. Where f32 may fall
+/// short of a byte's exact value a truncating store loses the whole byte.
 fn grid_error(layout: &Layout, store: ByteStore, digits: std::ops::RangeInclusive<u32>) -> f64 {
-    if layout.base == 255.0 {
-        return if store == ByteStore::Truncate { 1.0 / 255.0 } else { 0.0 };
+    let exact_bytes = layout.step * 255.0 == 1.0;
+    if exact_bytes && store == ByteStore::Truncate {
+        return 1.0 / 255.0;
     }
-    let stretch = (256.0 * layout.step) as f32;
     let error = |k: u32| {
-        let exact = f64::from(k) * layout.step;
-        let scaled = k as f32 / 256.0 * stretch * 255.0;
+        let value = f64::from(k) * layout.step;
         let stored = |rounding: &ByteRounding| match *rounding {
-            ByteRounding::Even => scaled.round_ties_even(),
-            ByteRounding::Floor { half } => (scaled + half as f32).floor(),
+            ByteRounding::Even => (value * 255.0).round_ties_even(),
+            ByteRounding::Floor { half } => (value * 255.0 + half).floor(),
         };
-        let distance = |byte: f32| (f64::from(byte) / 255.0 - exact).abs();
+        let distance = |byte: f64| (byte / 255.0 - value).abs();
         store.roundings().iter().map(|r| distance(stored(r))).fold(0.0, f64::max)
     };
     digits.map(error).fold(0.0, f64::max)
