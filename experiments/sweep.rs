@@ -2,6 +2,7 @@
 use clap::Parser;
 use gnomon::analysis::sweep::{self, Plan, Range, gate, plan};
 use gnomon::harness::{Common, Progress, print, run};
+use gnomon::scene::fit::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -15,12 +16,15 @@ use std::process::ExitCode;
 ///   gnomon-sweep --case book-r8-y7 --map 256,512 --format unorm16,f32 --bias 1e-7:1e-2:log:200
 ///   gnomon-sweep --case upc --strategy constant --bias 0.001 --fail-acne 0.1%
 ///   gnomon-sweep --case exam-pcf --baseline old/results.json
+///   gnomon-sweep --scene room.glb --light-dir 1,-2,0.5 --map 1024,2048 --format unorm16,f32
 #[derive(Parser)]
 #[command(name = "gnomon-sweep", version, verbatim_doc_comment)]
 struct Args {
     /// Cases: names, `documents` or `all`
-    #[arg(long, value_delimiter = ',', default_value = "documents")]
+    #[arg(long, value_delimiter = ',', default_value = "documents", conflicts_with = "scene")]
     case: Vec<String>,
+    #[command(flatten)]
+    scene: SceneFile,
     /// Map sizes in texels per side
     #[arg(long, value_delimiter = ',', default_value = "256,512,1024,2048")]
     map: Vec<u32>,
@@ -68,7 +72,10 @@ fn body(args: &Args) -> Result<()> {
         name => name.parse().map(Some),
     };
     let plan = Plan {
-        cases: plan::cases_named(&args.case)?,
+        cases: match args.scene.case()? {
+            Some(own) => vec![own],
+            None => plan::cases_named(&args.case)?,
+        },
         sizes: args.map.clone(),
         formats: args.format.iter().map(|f| plan::format_named(f)).collect::<Result<_>>()?,
         filters: args.filter.iter().map(filter).collect::<Result<_>>()?,
@@ -87,7 +94,7 @@ fn body(args: &Args) -> Result<()> {
     let sweeps = sweep::run(&plan, || bar.step());
     bar.finish();
     let (profile, seed) = (args.common.profile(), args.common.seed);
-    let command = format!("gnomon-sweep --{profile}");
+    let command = Common::command("gnomon-sweep");
     let report = sweep::report::report(&plan, &sweeps, profile, seed, command);
     args.common.finish(&report)?;
     judge(&sweeps, &limits, baseline.as_ref())

@@ -50,6 +50,23 @@ impl Common {
         self.out.clone().unwrap_or_else(|| Path::new("reports").join(name))
     }
 
+    /// The command that makes the same report again: the program's arguments but for those that only
+    /// say where to write and with how many threads.
+    #[must_use]
+    pub fn command(name: &str) -> String {
+        const ELSEWHERE: [&str; 3] = ["--out", "--json", "--threads"];
+        let mut arguments = std::env::args().skip(1);
+        let mut kept = vec![name.to_string()];
+        while let Some(argument) = arguments.next() {
+            match ELSEWHERE.iter().find_map(|flag| argument.strip_prefix(flag)) {
+                Some("") => drop(arguments.next()),
+                Some(value) if value.starts_with('=') => {}
+                _ => kept.push(argument),
+            }
+        }
+        kept.join(" ")
+    }
+
     /// Sets up the worker threads and checks the floating-point mode of each; call once, before any
     /// parallel work.
     ///
