@@ -5,7 +5,7 @@ use gnomon::harness::{Common, Progress, print, run};
 use gnomon::scene::fit::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Sweeps bias strategies over cases, map sizes, formats and filters: exact counts of acne, lost shadow
@@ -89,7 +89,7 @@ fn body(args: &Args) -> Result<()> {
         acne: args.fail_acne.as_deref().map(gate::share).transpose()?,
         peter_panning: args.fail_peter_panning,
     };
-    let baseline = args.baseline.as_deref().map(read_json).transpose()?;
+    let baseline = args.baseline.as_deref().map(gate::baseline).transpose()?;
     let bar = Progress::new(plan.cases.len() * plan.sizes.len() * plan.filters.len(), "sweeping");
     let sweeps = sweep::run(&plan, || bar.step());
     bar.finish();
@@ -117,11 +117,4 @@ fn judge(
         failed.extend(comparison.worse);
     }
     if failed.is_empty() { Ok(()) } else { Err(Error::CheckFailed(failed.join("; "))) }
-}
-
-fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
-    let fix = "give the results.json of a sweep";
-    serde_json::from_str(&text)
-        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
 }

@@ -5,11 +5,17 @@ pub mod evaluate;
 pub mod field;
 pub mod gate;
 pub mod looks;
+mod moves;
 pub mod pictures;
 pub mod plan;
+pub(super) mod plots;
 mod reading;
 pub mod report;
+mod store;
 pub mod tally;
+mod theory;
+mod values;
+mod verdicts;
 
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Family, Strategy};
@@ -34,6 +40,10 @@ pub struct CaseSweep {
     pub world_per_window: f64,
     /// Edge of a texel of the own map there, world units.
     pub texel_world: f64,
+    /// Bias and predicted share of acne under NEAREST at the own map size, by the closed form of planes.
+    pub theory: Vec<(f32, f64)>,
+    /// The closed form of the critical bias, where the case has one.
+    pub known_critical: Option<f64>,
     /// In the order of the plan: sizes, filters, formats, strategies.
     pub swept: Vec<Swept>,
 }
@@ -84,6 +94,12 @@ pub fn sweep_case(case: &Case, plan: &Plan, done: &(impl Fn() + Sync)) -> CaseSw
         own_bias: case.bias,
         world_per_window,
         texel_world: site.map_or(0.0, |s| s.texel_world),
+        theory: {
+            let biases = amounts(Strategy::Constant, &plan.bias, world_per_window);
+            let shares = theory::acne(&field, case.map.size, &biases);
+            biases.into_iter().zip(shares).collect()
+        },
+        known_critical: case.facts.iter().find(|f| f.quantity == "critical_bias").map(|f| f.value),
         swept: plan.sizes.par_iter().map(charts).collect::<Vec<_>>().concat(),
     }
 }
