@@ -9,6 +9,7 @@ use crate::scene::Case;
 use crate::shadow::bias::Strategy;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::slice;
 
 /// The shortest decimal of an f32 as a JSON number.
 fn short(x: f32) -> Value {
@@ -31,16 +32,20 @@ pub fn combination(s: &Swept) -> Value {
     Value::Object(entry)
 }
 
-/// The order in which strategies win: acne-free, then the least false light, then false shadow, then the
-/// smaller amount.
-fn merit(s: &Swept) -> (bool, i64, i64) {
-    let of = |p: Point| (false, p.tally.light, p.tally.shadow);
-    s.acne_free.map_or((true, i64::MAX, i64::MAX), of)
+/// What a strategy leaves wrong where its acne ends: the share of the lit in false shadow plus the share of
+/// the shadowed in false light.
+fn left_wrong(s: &Swept) -> Option<f64> {
+    let share = |n: i64, of: u64| n as f64 / of.max(1) as f64;
+    let [lit, shadowed] = s.populations;
+    let tally = s.acne_free?.tally;
+    Some(share(tally.false_shadow(), lit) + share(tally.false_light(), shadowed))
 }
 
-/// The winner among combinations of one map, format and filter.
+/// The winner among combinations of one map, format and filter: the one that leaves least wrong; of
+/// equals the first.
 pub(super) fn winner<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
-    list.iter().copied().filter(|s| s.acne_free.is_some()).min_by_key(|s| merit(s))
+    let rated = list.iter().filter_map(|&s| Some((left_wrong(s)?, s)));
+    rated.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, s)| s)
 }
 
 /// Combinations at the case's own map size and format (or the first of each that was swept).
@@ -69,7 +74,7 @@ fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
     let infeasible = sweeps.iter().flat_map(|c| &c.swept).filter(|s| s.acne_free.is_none()).count();
     vec![
         format!(
-            "At each case's own map and format, the strategy that ends acne at the least false light: {}.",
+            "At each case's own map and format, the strategy that ends acne and leaves least wrong: {}.",
             if named.is_empty() { "none".to_string() } else { named.join(", ") }
         ),
         format!(
@@ -103,7 +108,7 @@ fn table(id: &str, sweeps: &[CaseSweep], all: usize) -> Table {
     .column("false light", "", "share of the truly shadowed that is wrong there")
     .column("contact gap", "texels", "longest peter-panned way inside a true shadow")
     .column("detachment", "unit", "smallest amount that loses a true shadow")
-    .column("wins", "", "least false light of this map, format and filter");
+    .column("wins", "", "least left wrong of this map, format and filter");
     for case in sweeps {
         let shown = shown(case, all);
         for s in &shown {
@@ -136,6 +141,17 @@ fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
         Cell::number(s.detachment.map(f64::from).filter(|b| b.is_finite())),
         Cell::from(if best { "wins" } else { "" }),
     ]
+}
+
+/// A case's table without the columns that say the same in every row, up to the strategy.
+fn brief(mut table: Table) -> Table {
+    for i in (0..4).rev() {
+        if table.rows.windows(2).all(|pair| pair[0][i] == pair[1][i]) {
+            table.columns.remove(i);
+            table.rows.iter_mut().for_each(|row| drop(row.remove(i)));
+        }
+    }
+    table
 }
 
 /// Pictures of the own configuration along the bias axis: nothing, below, at and above the threshold.
@@ -197,7 +213,7 @@ pub fn report(
             |s| verdicts::sentence(sweep, s),
         );
         let mut section = Section::new(name.clone(), name.clone(), best);
-        section.push(table(&format!("{name}-strategies"), std::slice::from_ref(sweep), all));
+        section.push(brief(table(&format!("{name}-strategies"), slice::from_ref(sweep), all)));
         section.push(heat_map(sweep, &format!("{name}-formats")));
         if is_detailed(i, sweeps.len()) {
             let curves = curves(sweep, &format!("{name}-curve"));

@@ -1,6 +1,7 @@
 //! What a sweep says of each case in one line: who wins, at which amount, and whether a constant works.
 
 use super::report::{own, winner};
+use super::tally::Tally;
 use super::{CaseSweep, Swept};
 use crate::report::number::significant;
 use crate::report::{Cell, Table};
@@ -12,11 +13,12 @@ fn constant<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
 
 /// One row a case.
 pub(super) fn table(sweeps: &[CaseSweep]) -> Table {
-    let caption = "The winner ends acne at the least false light; beside it what a constant bias needs, all in window depth.";
+    let caption = "The winner ends acne and leaves least wrong: its share of the lit in false shadow plus that of the shadowed in false light. Beside it what a constant bias needs, all in window depth.";
     let mut table = Table::new("verdicts", caption)
         .column("case", "", "")
         .column("winner", "", "")
         .column("least amount", "", "smallest amount that ends acne")
+        .column("false shadow", "", "share of the truly lit that is wrong there")
         .column("false light", "", "share of the truly shadowed that is wrong there")
         .column("constant needs", "", "smallest constant bias that ends acne")
         .column("detaches at", "", "smallest constant bias that loses a true shadow")
@@ -37,9 +39,11 @@ fn row(case: &CaseSweep) -> Vec<Cell> {
     let list = own(case);
     let best = winner(&list);
     let at = best.and_then(|s| s.acne_free);
-    let light = best.zip(at).map_or(Cell::Missing, |(s, p)| {
-        Cell::Percent(p.tally.false_light() as f64 / s.populations[1].max(1) as f64)
-    });
+    let share = |side: usize, of: fn(&Tally) -> i64| {
+        best.zip(at).map_or(Cell::Missing, |(s, p)| {
+            Cell::Percent(of(&p.tally) as f64 / s.populations[side].max(1) as f64)
+        })
+    };
     let need = constant(&list).and_then(|s| s.acne_free).map(|p| f64::from(p.amount));
     let detach = constant(&list).and_then(|s| s.detachment).map(f64::from);
     vec![
@@ -48,7 +52,8 @@ fn row(case: &CaseSweep) -> Vec<Cell> {
         Cell::from(best.zip(at).map_or_else(String::new, |(s, p)| {
             format!("{} {}", significant(p.amount.into(), 4), s.strategy.unit())
         })),
-        light,
+        share(0, Tally::false_shadow),
+        share(1, Tally::false_light),
         Cell::number(need),
         Cell::number(detach.filter(|b| b.is_finite())),
         Cell::number(need.zip(detach).map(|(n, d)| d - n)),
@@ -73,8 +78,10 @@ pub(super) fn sentence(case: &CaseSweep, best: &Swept) -> String {
     let list = own(case);
     let amount = best.acne_free.map_or(0.0, |p| f64::from(p.amount));
     let start = format!(
-        "{} wins at its own map and format with {} {}",
+        "{} wins on {} texels of {} with {} {}",
         best.strategy,
+        format_args!("{0} x {0}", best.size),
+        best.format.name(),
         significant(amount, 4),
         best.strategy.unit()
     );
