@@ -80,7 +80,7 @@ fn main() {
             || {
                 few.iter().for_each(|&a| {
                     black_box(looks::literal(&looks, rule, |_| a));
-                })
+                });
             },
         );
         let literal = slow / few.len() as f64 * amounts.len() as f64;
@@ -98,7 +98,7 @@ fn main() {
             || {
                 few.iter().for_each(|&a| {
                     black_box(flat(&case, &z, &stored, black_box(a)));
-                })
+                });
             },
         );
         let literal = vector / few.len() as f64 * amounts.len() as f64;
