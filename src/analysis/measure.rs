@@ -2,7 +2,8 @@
 
 use super::classify::Artifact;
 use super::curve::{Curve, Thresholds};
-use super::interior::interior;
+use super::effort::{Count, Effort};
+use super::interior;
 use super::ladder::Rung;
 use super::measurement::{
     Gap, InteriorTotal, Length, Measurement, Samples, ShadowInterior, Tally, Wrongs,
@@ -25,30 +26,40 @@ pub struct Measured<'a> {
     pub curve: Curve,
     /// The numbers.
     pub measurement: Measurement,
+    /// What the skips saved.
+    pub work: Vec<Count>,
 }
 
 /// Measures a case on its own device at every `step`-th pixel.
 #[must_use]
 pub fn measure(case: &Case, step: u32) -> Measured<'_> {
-    let observer = Observer::new(case, &case.device.device());
-    let observations = observer.observe_canvas(step);
+    measure_by(case, step, Effort::default())
+}
+
+/// As [`measure`], by a given effort; the result is the same.
+#[must_use]
+pub fn measure_by(case: &Case, step: u32, effort: Effort) -> Measured<'_> {
+    let observer = Observer::with(case, &case.device.device(), effort);
+    let (observations, mut work) = observer.observe_all(step);
+    let (inside, count) = interior::counted(&observer, &observations);
+    work.push(count);
     let curve = Curve::new(&observations);
-    let measurement = summarize(&observer, &observations, &curve, step);
-    Measured { observer, observations, curve, measurement }
+    let measurement = summarize(&observer, &observations, &curve, &inside, step);
+    Measured { observer, observations, curve, measurement, work }
 }
 
 fn summarize(
     observer: &Observer<'_>,
     observations: &[Observation],
     curve: &Curve,
+    inside: &[bool],
     step: u32,
 ) -> Measurement {
     let case = observer.case();
     let [lit, shadowed] = curve.populations();
     let thresholds = Thresholds::of(observations);
-    let inside = interior(observer, observations);
     let interior: Vec<&Observation> =
-        observations.iter().zip(inside).filter(|(_, inside)| *inside).map(|(o, _)| o).collect();
+        observations.iter().zip(inside).filter(|(_, inside)| **inside).map(|(o, _)| o).collect();
     let shadow_interior = ShadowInterior::of(case, interior.iter().copied());
     let interior = by_object(case, interior.into_iter());
     let mut measurement = Measurement {

@@ -6,6 +6,7 @@ use crate::shadow;
 use crate::truth::{Receiver, Truth};
 use crate::view::length;
 use glam::DVec3;
+use std::cell::OnceCell;
 
 /// Steps per texel while looking for the next change.
 const STEPS_PER_TEXEL: f64 = 4.0;
@@ -30,6 +31,8 @@ pub struct Walk<'o, 'a> {
     direction: DVec3,
     step: f64,
     bias: f32,
+    /// Triangles in the plane of the walk's own, by id; found when the walk first leaves that.
+    coplanar: OnceCell<Vec<u32>>,
 }
 
 impl<'o, 'a> Walk<'o, 'a> {
@@ -55,6 +58,7 @@ impl<'o, 'a> Walk<'o, 'a> {
             direction: along / size,
             step: texel / STEPS_PER_TEXEL,
             bias,
+            coplanar: OnceCell::new(),
         })
     }
 
@@ -103,7 +107,8 @@ impl<'o, 'a> Walk<'o, 'a> {
         if inside(self.triangle) {
             return Some(self.triangle);
         }
-        (0..geometry.triangles.len() as u32).find(|&t| coplanar(t) && inside(t))
+        let all = || (0..geometry.triangles.len() as u32).filter(|&t| coplanar(t)).collect();
+        self.coplanar.get_or_init(all).iter().copied().find(|&t| inside(t))
     }
 
     /// Where `wanted` stops holding, going from 0 in direction `sign`.

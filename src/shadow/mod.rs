@@ -1,6 +1,7 @@
 //! The shadow map: stored texels with the triangle that drew each, and how they are read back.
 
 pub mod bias;
+mod few;
 mod filter;
 mod footprint;
 mod lookup;
@@ -9,6 +10,7 @@ pub mod sampler;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
+pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mixed_depth, read};
 pub use footprint::{Footprint, Mix, Tap};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
