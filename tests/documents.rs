@@ -17,7 +17,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 fn options() -> Options {
-    Options { profile: Profile::Quick, seed: 1, which: Which::All, device: None }
+    Options { profile: Profile::Quick, ..Options::default() }
 }
 
 /// The quick results, measured once for all tests of this file.

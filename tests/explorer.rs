@@ -7,7 +7,7 @@ use gnomon::report::{Block, Profile, Report};
 use gnomon::scene::cases;
 
 fn documents() -> Report {
-    let options = Options { profile: Profile::Quick, seed: 1, which: Which::All, device: None };
+    let options = Options { profile: Profile::Quick, ..Options::default() };
     report(&options, || {}).unwrap()
 }
 

@@ -1,5 +1,6 @@
 //! Measuring a case: observe its receivers, then count, rate and name.
 
+use super::captured::Captured;
 use super::classify::Artifact;
 use super::curve::{Curve, Thresholds};
 use super::effort::{Count, Effort};
@@ -39,7 +40,23 @@ pub fn measure(case: &Case, step: u32) -> Measured<'_> {
 /// As [`measure`], by a given effort; the result is the same.
 #[must_use]
 pub fn measure_by(case: &Case, step: u32, effort: Effort) -> Measured<'_> {
-    let observer = Observer::with(case, &case.device.device(), effort);
+    of_observer(Observer::with(case, &case.device.device(), effort), step)
+}
+
+/// As [`measure_by`], every look-up reading a captured map.
+#[must_use]
+pub fn measure_captured<'a>(
+    case: &'a Case,
+    step: u32,
+    effort: Effort,
+    captured: &Captured,
+) -> Measured<'a> {
+    let mut observer = Observer::with(case, &case.device.device(), effort);
+    observer.subject.map = captured.map.clone();
+    of_observer(observer, step)
+}
+
+fn of_observer(observer: Observer<'_>, step: u32) -> Measured<'_> {
     let (observations, mut work) = observer.observe_all(step);
     let (inside, count) = interior::counted(&observer, &observations);
     work.push(count);

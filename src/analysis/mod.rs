@@ -2,6 +2,7 @@
 
 pub mod adjacency;
 pub mod budget;
+pub mod captured;
 pub mod classify;
 pub mod curve;
 pub mod documents;

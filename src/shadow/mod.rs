@@ -70,6 +70,26 @@ impl ShadowMap {
         Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Memory::Depths(depths) }
     }
 
+    /// A map of packed texels, row by row from the bottom.
+    ///
+    /// # Panics
+    /// Unless there are size² texels.
+    #[must_use]
+    pub fn from_bytes(size: u32, packing: Packing, bytes: Vec<[u8; 4]>) -> Self {
+        assert_eq!(bytes.len(), size as usize * size as usize, "texels of a square");
+        Self { size, format: TexelFormat::Packed(packing), texels: Memory::Bytes(bytes) }
+    }
+
+    /// A map of depths as the sampler returns them, row by row from the bottom.
+    ///
+    /// # Panics
+    /// Unless there are size² texels.
+    #[must_use]
+    pub fn from_depths(size: u32, format: DepthFormat, depths: Vec<f32>) -> Self {
+        assert_eq!(depths.len(), size as usize * size as usize, "texels of a square");
+        Self { size, format: TexelFormat::Depth(format), texels: Memory::Depths(depths) }
+    }
+
     /// Texels per side.
     #[must_use]
     pub const fn size(&self) -> u32 {

@@ -1,5 +1,6 @@
 //! The documents' systems measured end to end, and the report that shows them.
 
+mod ask;
 mod case_page;
 mod device_panel;
 mod explore;
@@ -8,7 +9,11 @@ mod layers;
 mod probes;
 mod shade;
 
-use super::measure::measure;
+pub use ask::Ask;
+
+use super::captured::Captured;
+use super::effort::{self, Effort};
+use super::measure::{Measured, measure_by, measure_captured};
 use super::measurement::Measurement;
 use crate::device::DeviceProfile;
 use crate::report::{Cell, Column, Finding, Profile, Report, Section, Table, Verdict};
@@ -30,6 +35,10 @@ pub struct Options {
     pub which: Which,
     /// Another device than the cases' own.
     pub device: Option<DeviceProfile>,
+    /// How it is measured; the results do not depend on it.
+    pub effort: Effort,
+    /// A map to be looked up in place of the one that the case draws.
+    pub captured: Option<Captured>,
 }
 
 /// The cases of a run.
@@ -41,6 +50,19 @@ pub enum Which {
     Named(String),
     /// A user's own.
     Own(Box<Case>),
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            profile: Profile::Full,
+            seed: 1,
+            which: Which::All,
+            device: None,
+            effort: Effort::default(),
+            captured: None,
+        }
+    }
 }
 
 impl Options {
@@ -107,13 +129,19 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     let page = |case: &Case| {
         let variants = variants(case);
         let (measured, compared) = rayon::join(
-            || measure(case, step),
-            || variants.par_iter().map(|variant| measure(variant, step)).collect::<Vec<_>>(),
+            || measured(case, options),
+            || {
+                let variant = |variant| measure_by(variant, step, options.effort);
+                variants.par_iter().map(variant).collect::<Vec<_>>()
+            },
         );
-        let section = case_page::section(&measured, &compared, step);
+        let mut sections = vec![case_page::section(&measured, &compared, step)];
+        if !matches!(options.which, Which::All) {
+            sections.push(work(&measured));
+        }
         progress();
         let compared: Vec<_> = compared.into_iter().map(|c| c.measurement).collect();
-        (measured.measurement, (section, compared))
+        (measured.measurement, (sections, compared))
     };
     let device = options.device.unwrap_or(DeviceProfile::WebglSwiftshader).device();
     let (measured, probes) = rayon::join(
@@ -122,7 +150,7 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     );
     let (measurements, pages) = measured;
     let (sections, compared): (Vec<_>, Vec<Vec<Measurement>>) = pages.into_iter().unzip();
-    let compared = compared.concat();
+    let (sections, compared) = (sections.concat(), compared.concat());
     let mut results = json!({
         "schema": SCHEMA,
         "profile": options.profile.name(),
@@ -134,6 +162,26 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     let findings = findings::evaluate(&findings::by_name(&results));
     results["findings"] = findings.iter().map(finding_json).collect();
     Ok(assemble(options, &measurements, sections, findings, results))
+}
+
+fn measured<'c>(case: &'c Case, options: &Options) -> Measured<'c> {
+    match &options.captured {
+        None => measure_by(case, options.step(), options.effort),
+        Some(captured) => measure_captured(case, options.step(), options.effort, captured),
+    }
+}
+
+/// What the skips saved on one case.
+fn work(measured: &Measured<'_>) -> Section {
+    let id = format!("{}-work", measured.measurement.name);
+    let mut section = Section::new(
+        id.clone(),
+        "Work done and left out",
+        "No result depends on what is left out; --no-skip works everything out.",
+    )
+    .folded();
+    section.push(effort::table(&format!("{id}-table"), &measured.work));
+    section
 }
 
 fn finding_json(finding: &Finding) -> Value {
