@@ -81,7 +81,10 @@ struct Job<'a> {
 fn one_light(kind: &str, job: &Job) {
     let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads");
     let (one, two) = (pool(1), pool(2));
-    let raster = |level| truths_with(job.scene, job.receivers, job.light, Options { level });
+    let raster = |level| {
+        let options = Options { level, ..Options::default() };
+        truths_with(job.scene, job.receivers, job.light, options)
+    };
     let (answers, work) = one.install(|| raster(Level::best()));
     let arbiter = two.install(|| job.tracer.truths(job.receivers, job.light));
     let count = |want: fn(&Truth) -> bool| answers.iter().filter(|a| want(&a.truth)).count();
@@ -91,7 +94,7 @@ fn one_light(kind: &str, job: &Job) {
         count(|t| matches!(t, Truth::Shadowed(_))),
         job.peer.shadowed(job.segments),
         count(|t| *t == Truth::Ambiguous),
-        work.triangles,
+        work.swept,
         work.escalated,
         answers.iter().zip(&arbiter).filter(|(a, b)| a != b).count(),
     );

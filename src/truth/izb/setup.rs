@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::bins::{BLOCK, Bins};
 use super::frame::{Frame, Vertex};
 use super::lanes::{BATCH, Lanes};
+use super::work::{Skipped, Skips};
 use crate::scene::Geometry;
 
 /// Half an ulp of 1 in f32.
@@ -38,21 +39,28 @@ impl Vertices {
         Self { exact, screen }
     }
 
-    /// The cells that a triangle may shadow, or none.
+    /// The cells that a triangle may shadow, or why there are none.
     ///
     /// Left out is a triangle whose cells hold no receiver, and one that is farther from the light
     /// than the farthest receiver of its blocks: depth over a triangle is largest at a corner.
     #[inline(always)]
-    pub(super) fn item(&self, corners: [u32; 3], bins: &Bins) -> Option<Item> {
+    pub(super) fn item(
+        &self,
+        corners: [u32; 3],
+        bins: &Bins,
+        skips: Skips,
+    ) -> Result<Item, Skipped> {
         let [a, b, c] = corners.map(|v| self.screen[v as usize]);
         let low = [0, 1].map(|k| lesser(a[k], lesser(b[k], c[k])));
         let high = [0, 1].map(|k| greater(a[k], greater(b[k], c[k])));
         let nearest = greater(a[2], greater(b[2], c[2]));
-        if (a[2] + b[2] + c[2]).is_nan() {
-            let (low, high) = self.clipped(corners, bins.cells as f64)?;
-            return shadowing(cells(low, high, bins.cells)?, f32::INFINITY, bins);
-        }
-        shadowing(cells(low, high, bins.cells)?, nearest, bins)
+        let (bounds, nearest) = if (a[2] + b[2] + c[2]).is_nan() {
+            (self.clipped(corners, bins.cells as f64), f32::INFINITY)
+        } else {
+            (Some((low, high)), nearest)
+        };
+        let cells = bounds.and_then(|(low, high)| cells(low, high, bins.cells));
+        shadowing(cells.ok_or(Skipped::Outside)?, nearest, bins, skips)
     }
 
     /// Bounds on the grid of a triangle that reaches behind the light: it is clipped to the
@@ -310,7 +318,12 @@ fn cells(low: [f32; 2], high: [f32; 2], cells: usize) -> Option<[[u16; 2]; 2]> {
 
 /// The item, unless every receiver of its cells is nearer to the light, or there is none.
 #[inline(always)]
-fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Option<Item> {
+fn shadowing(
+    [columns, rows]: [[u16; 2]; 2],
+    nearest: f32,
+    bins: &Bins,
+    skips: Skips,
+) -> Result<Item, Skipped> {
     let block = |x: u16| usize::from(x) / BLOCK;
     let mut farthest = f32::INFINITY;
     for row in block(rows[0])..=block(rows[1]) {
@@ -318,9 +331,14 @@ fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Optio
         let run = &bins.farthest[base + block(columns[0])..=base + block(columns[1])];
         farthest = run.iter().fold(farthest, |m, &x| lesser(m, x));
     }
-    let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
-    let shadows = farthest < f32::INFINITY && nearest + margin >= farthest;
     let (left, right) = (usize::from(columns[0]), usize::from(columns[1]) + 1);
     let full = |row: u16| !bins.run(usize::from(row), left, right).is_empty();
-    (shadows && (rows[0]..=rows[1]).any(full)).then_some(Item { columns, rows })
+    if skips.empty && (farthest == f32::INFINITY || !(rows[0]..=rows[1]).any(full)) {
+        return Err(Skipped::Empty);
+    }
+    let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
+    if skips.behind && nearest + margin < farthest {
+        return Err(Skipped::Behind);
+    }
+    Ok(Item { columns, rows })
 }

@@ -10,6 +10,7 @@ use super::bins::{Bins, LANES};
 use super::frame::Frame;
 use super::lanes::BATCH;
 use super::setup::{Batch, Item, Plane, Vertices};
+use super::work::{Skips, Work};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
 
@@ -25,6 +26,7 @@ pub(super) struct Shared<'a> {
     pub(super) bins: &'a Bins,
     pub(super) vertices: &'a Vertices,
     pub(super) known: &'a Known,
+    pub(super) skips: Skips,
 }
 
 /// Depth bounds of the occluders found so far, by sorted receiver: that of the nearest is at most
@@ -71,9 +73,7 @@ pub(super) struct Found {
     pub(super) touching: Vec<u32>,
     /// Segments about which nothing can be said.
     pub(super) void: Vec<u32>,
-    /// Triangles swept, and candidates that f32 left open.
-    pub(super) triangles: u64,
-    pub(super) escalated: u64,
+    pub(super) work: Work,
 }
 
 /// A chunk of triangles to be run over all receivers.
@@ -89,12 +89,14 @@ impl Kernel for Chunk<'_> {
 
     #[inline(always)]
     fn run(mut self, _has_fma: bool) -> Found {
-        let Shared { geometry, vertices, bins, .. } = self.shared;
+        let Shared { geometry, vertices, bins, skips, .. } = self.shared;
         let mut batch = Batch::EMPTY;
         for id in self.ids.clone() {
             let corners = geometry.triangles[id as usize];
-            if let Some(item) = vertices.item(corners, bins) {
-                vertices.load(&mut batch, id, corners, item);
+            self.found.work.triangles += 1;
+            match vertices.item(corners, bins, skips) {
+                Ok(item) => vertices.load(&mut batch, id, corners, item),
+                Err(skipped) => self.found.work.skip(skipped),
             }
             if batch.len == BATCH {
                 self.sweep(&mut batch);
@@ -110,7 +112,7 @@ impl Chunk<'_> {
     #[inline(always)]
     fn sweep(&mut self, batch: &mut Batch) {
         let planes = batch.planes(self.shared.frame);
-        self.found.triangles += batch.len as u64;
+        self.found.work.swept += batch.len as u64;
         for k in 0..batch.len {
             self.sweep_one(batch.ids[k], batch.items[k], &planes.get(k));
         }
@@ -123,6 +125,7 @@ impl Chunk<'_> {
         let (left, right) = (usize::from(item.columns[0]), usize::from(item.columns[1]) + 1);
         for row in item.rows[0]..=item.rows[1] {
             let run = bins.run(usize::from(row), left, right);
+            self.found.work.evaluated += run.len() as u64;
             let mut at = run.start;
             while at < run.end {
                 let lanes = (run.end - at).min(LANES);
@@ -145,7 +148,7 @@ impl Chunk<'_> {
     /// A receiver that the triangle may shadow or touch.
     #[inline(never)]
     fn candidate(&mut self, id: u32, error: f32, (inside, nearer): (f32, f32), place: usize) {
-        let Shared { bins, known, frame, .. } = self.shared;
+        let Shared { bins, known, frame, skips, .. } = self.shared;
         if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
@@ -153,7 +156,7 @@ impl Chunk<'_> {
         let depth = receiver_depth + nearer * error;
         let depths = [depth - 2.0 * error, depth + 2.0 * error];
         let [near, far] = known.get(place);
-        let between = depths[0] > near && depths[1] < far;
+        let between = skips.between && depths[0] > near && depths[1] < far;
         if !(between && depths[1] < frame.order_limit(receiver_depth)) {
             self.inside(id, place, depths);
         }
@@ -172,7 +175,7 @@ impl Chunk<'_> {
     /// A candidate that f32 does not decide.
     #[cold]
     fn undecided(&mut self, id: u32, place: usize) {
-        self.found.escalated += 1;
+        self.found.work.escalated += 1;
         let segment = self.segment(place);
         if segment.is_void() {
             return self.found.void.push(place as u32);
