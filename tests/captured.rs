@@ -1,11 +1,12 @@
 //! Captured maps: our own map, written and read back, gives the same verdicts; mistakes are a sentence.
 
+use glam::{DMat4, DVec3};
 use gnomon::analysis::captured::{CapturedArguments, write};
 use gnomon::analysis::effort::Effort;
 use gnomon::analysis::measure::{measure, measure_captured};
 use gnomon::depth::{DepthFormat, Packing};
 use gnomon::raster::passes::Subject;
-use gnomon::scene::{Case, TexelFormat, cases};
+use gnomon::scene::{Case, TexelFormat, cases, matrix};
 use std::path::Path;
 use std::process::Command;
 
@@ -142,6 +143,10 @@ fn mistakes_are_one_sentence() {
     on(&short, &two[2..], "--packing");
     on(&short, &two[..2], "--map-width");
     on(&short, &["--packing", "f32", "--map-width", "2", "--map-height", "3"], "2 x 3");
+    let matrix = |numbers: &'static str| [&two[..], &["--light-matrix", numbers]].concat();
+    let whole = file("whole.raw", &[0; 16]);
+    on(&whole, &matrix("1,0,-1"), "has 3 numbers");
+    on(&whole, &matrix("1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1"), "singular");
     on(&png, &["--packing", "unorm8"], "PNG");
     on(&exr, &[], "EXR");
     on(&other, &[], ".tga");
@@ -151,4 +156,35 @@ fn mistakes_are_one_sentence() {
     let (code, message) = run(&["--scene", &scene, "--map-file", &nan, "--packing", "f32"]);
     assert!(code == Some(2) && message.contains("--light-matrix"), "{message}");
     assert!(!Path::new(&out).exists(), "nothing is written");
+}
+
+#[test]
+fn the_lights_of_all_cases_are_found_again_from_their_matrices() {
+    for case in cases::all() {
+        let own = case.light.clip_from_world();
+        let found = matrix::light(own).unwrap_or_else(|e| panic!("{}: {e}", case.name));
+        assert_eq!(found.is_directional(), case.light.is_directional(), "{}", case.name);
+        for p in [DVec3::ZERO, DVec3::new(1.0, 0.5, -0.25)] {
+            let [a, b] = [own, found.clip_from_world()].map(|m| m.project_point3(p));
+            let scale = a.abs().max_element().max(1.0);
+            assert!((a - b).abs().max_element() < 1e-9 * scale, "{}: {a} {b}", case.name);
+        }
+    }
+}
+
+#[test]
+fn what_no_light_uploads_is_refused() {
+    let sound = cases::named("upc").expect("a case").light.clip_from_world();
+    let mirrored = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)) * sound;
+    let mut skew = DMat4::IDENTITY;
+    skew.x_axis.y = 0.5;
+    for (matrix, word) in [
+        (DMat4::ZERO, "singular"),
+        (mirrored, "mirrored"),
+        (sound * skew, "skewed"),
+        (sound.transpose(), "--light-matrix"),
+    ] {
+        let message = matrix::light(matrix).expect_err(word).to_string();
+        assert!(message.contains(word) && message.contains("--light-matrix"), "{message}");
+    }
 }

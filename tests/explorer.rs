@@ -1,6 +1,6 @@
 //! The page's explorers say what the analysis says, at the documents' biases and at any other.
 
-use gnomon::analysis::documents::{Options, Which, report};
+use gnomon::analysis::documents::{Options, report};
 use gnomon::analysis::measure::measure;
 use gnomon::report::explorer::Explorer;
 use gnomon::report::{Block, Profile, Report};

@@ -39,7 +39,6 @@ pub struct CapturedArguments {
         long,
         value_name = "16 NUMBERS",
         value_delimiter = ',',
-        num_args = 16,
         requires = "map_file",
         allow_hyphen_values = true
     )]
@@ -94,9 +93,13 @@ impl CapturedArguments {
     }
 
     fn turn_light(&self, case: &mut Case) -> Result<()> {
-        let Ok(numbers) = <[f64; 16]>::try_from(self.light_matrix.as_slice()) else {
+        if self.light_matrix.is_empty() {
             return Ok(());
-        };
+        }
+        let numbers = <[f64; 16]>::try_from(self.light_matrix.as_slice()).map_err(|_| {
+            let reason = format!("has {} numbers", self.light_matrix.len());
+            Error::bad_input("--light-matrix", reason, "give 16, row by row, between commas")
+        })?;
         let clip_from_world = DMat4::from_cols_array(&numbers).transpose();
         case.light = matrix::light(clip_from_world)?;
         let uploaded: Mat4 = clip_from_world.as_mat4();

@@ -90,16 +90,34 @@ impl Foremost {
     /// What the light sees at each of `points` (map coordinates).
     #[must_use]
     pub fn at(&self, points: &[DVec2]) -> Vec<Seen> {
-        if !self.sound || points.is_empty() {
-            return vec![Seen::Open; points.len()];
-        }
+        self.beside(&self.sorted(points, 0.0), DVec2::ZERO)
+    }
+
+    /// Points (map coordinates) sorted for any number of looks at most `reach` texels beside them.
+    #[must_use]
+    pub fn sorted(&self, points: &[DVec2], reach: f64) -> Points {
         let texels: Vec<DVec2> = points.iter().map(|p| *p * self.size).collect();
         let bins = Bins::new(&texels);
-        let mut states = vec![State::EMPTY; points.len()];
-        for flat in &self.flats {
-            flat.run(&bins, &mut states);
+        let (low, high) = (bins.low - reach - SIDEWAYS, bins.high + reach + SIDEWAYS);
+        let near = |f: &&Flat| !(f.high.cmplt(low).any() || f.low.cmpgt(high).any());
+        Points { flats: self.flats.iter().filter(near).copied().collect(), bins, reach }
+    }
+
+    /// What the light sees at each point moved by `offset` (map coordinates).
+    #[must_use]
+    pub fn beside(&self, points: &Points, offset: DVec2) -> Vec<Seen> {
+        let bins = &points.bins;
+        let mut seen = vec![Seen::Open; bins.index.len()];
+        if !self.sound {
+            return seen;
         }
-        let mut seen = vec![Seen::Open; points.len()];
+        let offset = offset * self.size;
+        let far = offset.abs().max_element() > points.reach;
+        let flats = if far { &self.flats } else { &points.flats };
+        let mut states = vec![State::EMPTY; seen.len()];
+        for flat in flats {
+            flat.run(bins, offset, &mut states);
+        }
         for (state, &index) in states.iter().zip(&bins.index) {
             seen[index as usize] = state.seen();
         }
@@ -109,7 +127,7 @@ impl Foremost {
     /// Points of one call that make good use of a pass over all triangles.
     #[must_use]
     pub fn chunk(&self) -> usize {
-        (2 * self.flats.len()).clamp(1 << 12, 1 << 18)
+        (self.flats.len() / 2).clamp(1 << 12, 1 << 16)
     }
 }
 
@@ -194,15 +212,15 @@ impl Flat {
         (!beyond).then_some(flat)
     }
 
-    /// Meets every point of the cells under the box.
-    fn run(&self, bins: &Bins, states: &mut [State]) {
-        let ([x0, y0], [x1, y1]) = (bins.cell(self.low), bins.cell(self.high));
+    /// Meets every point, moved by `offset` texels, of the cells under the box.
+    fn run(&self, bins: &Bins, offset: DVec2, states: &mut [State]) {
+        let ([x0, y0], [x1, y1]) = (bins.cell(self.low - offset), bins.cell(self.high - offset));
         for y in y0..=y1 {
             let row = y * bins.cells;
             let places = bins.start[row + x0] as usize..bins.start[row + x1 + 1] as usize;
             let points = &bins.points[places.clone()];
             for (p, state) in points.iter().zip(&mut states[places]) {
-                self.meet(*p, state);
+                self.meet(*p + offset, state);
             }
         }
     }
@@ -270,10 +288,21 @@ impl State {
     }
 }
 
+/// Map points in the order of their cells.
+#[derive(Debug)]
+pub struct Points {
+    bins: Bins,
+    /// The triangles whose boxes come within `reach` texels of the box of all points.
+    flats: Vec<Flat>,
+    reach: f64,
+}
+
 /// Points sorted into cells, about two to a cell.
+#[derive(Debug)]
 struct Bins {
     cells: usize,
     low: DVec2,
+    high: DVec2,
     scale: DVec2,
     start: Vec<u32>,
     points: Vec<DVec2>,
@@ -289,6 +318,7 @@ impl Bins {
         let mut bins = Self {
             cells,
             low,
+            high,
             scale,
             start: vec![0; cells * cells + 1],
             points: vec![DVec2::ZERO; points.len()],

@@ -49,63 +49,50 @@ pub fn counted(observer: &Observer<'_>, observations: &[Observation]) -> (Vec<bo
     (found.into_iter().flat_map(|(inside, _)| inside).collect(), count)
 }
 
-/// Asks point after point for all receivers of a chunk whose points agree so far.
+/// Asks point after point for the receivers of a chunk whose points agree so far.
 fn asked(
     observer: &Observer<'_>,
     foremost: Option<&Foremost>,
     list: &[Observation],
 ) -> (Vec<bool>, [u64; 2]) {
     let texel = 1.0 / f64::from(observer.case().map.size);
-    let eligible = |o: &Observation| {
+    let eligible = |o: &&Observation| {
         matches!(o.standing, Standing::Counted | Standing::FacingAway) && in_map(o)
     };
-    let mut left: Vec<u32> =
-        (0..list.len() as u32).filter(|&i| eligible(&list[i as usize])).collect();
-    let mut first: Vec<Option<u16>> = vec![None; list.len()];
+    let points: Vec<DVec2> = list.iter().filter(eligible).map(|o| o.exact.truncate()).collect();
+    let sorted = foremost.map(|f| (f, f.sorted(&points, 1.01 * REACH)));
+    let mut objects: Vec<Option<u16>> = vec![None; points.len()];
     let (mut answered, mut traced) = (0, 0);
     for (k, [dx, dy]) in POINTS.into_iter().enumerate() {
         let offset = DVec2::new(dx, dy) * REACH * texel;
-        let point = |&i: &u32| list[i as usize].exact.truncate() + offset;
-        let points: Vec<DVec2> = left.iter().map(point).collect();
-        let (objects, rays) = objects(observer, foremost, &points);
-        (answered, traced) = (answered + points.len() as u64, traced + rays);
-        let mut objects = objects.into_iter();
-        left.retain(|&i| {
-            let object = objects.next().flatten();
-            let wanted = &mut first[i as usize];
-            if k == 0 {
-                *wanted = object;
+        let seen = sorted.as_ref().map(|(foremost, points)| foremost.beside(points, offset));
+        for (i, object) in objects.iter_mut().enumerate() {
+            if k > 0 && object.is_none() {
+                continue;
             }
-            object.is_some() && object == *wanted
-        });
+            let seen = seen.as_ref().map_or(Seen::Open, |seen| seen[i]);
+            answered += 1;
+            traced += u64::from(seen == Seen::Open);
+            let here = object_of(observer, seen, points[i] + offset);
+            *object = if k == 0 || here == *object { here } else { None };
+        }
     }
-    let mut inside = vec![false; list.len()];
-    left.into_iter().for_each(|i| inside[i as usize] = true);
-    (inside, [answered, traced])
+    let mut objects = objects.into_iter();
+    let is_interior = |o: &Observation| eligible(&o) && objects.next().flatten().is_some();
+    (list.iter().map(is_interior).collect(), [answered, traced])
 }
 
-/// The object that the light sees first at each point, and how many rays were traced for it.
-fn objects(
-    observer: &Observer<'_>,
-    foremost: Option<&Foremost>,
-    points: &[DVec2],
-) -> (Vec<Option<u16>>, u64) {
-    let open = || vec![Seen::Open; points.len()];
-    let seen = foremost.map_or_else(open, |f| f.at(points));
-    let mut rays = 0;
-    let object = |triangle: u32| observer.geometry.object[triangle as usize];
-    let of = |(seen, &uv): (Seen, &DVec2)| match seen {
+/// The object that the light sees first at a map point, by a ray where that is open.
+fn object_of(observer: &Observer<'_>, seen: Seen, uv: DVec2) -> Option<u16> {
+    let triangle = match seen {
         Seen::Nothing => None,
-        Seen::First(triangle) => Some(object(triangle)),
-        Seen::Open => {
-            rays += 1;
-            match observer.first_along(uv, Faces::Both) {
-                FirstHit::Hit { triangle, .. } => Some(object(triangle)),
-                FirstHit::None | FirstHit::Ambiguous => None,
-            }
-        }
+        Seen::First(triangle) => Some(triangle),
+        Seen::Open => match observer.first_along(uv, Faces::Both) {
+            FirstHit::Hit { triangle, .. } => Some(triangle),
+            FirstHit::None | FirstHit::Ambiguous => None,
+        },
     };
-    (seen.into_iter().zip(points).map(of).collect(), rays)
+    triangle.map(|t| observer.geometry.object[t as usize])
 }
 
 fn in_map(o: &Observation) -> bool {

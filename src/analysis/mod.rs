@@ -18,6 +18,7 @@ pub mod measurement;
 pub mod observation;
 pub mod observe;
 mod observe_all;
+pub mod pareto;
 pub mod roundtrip;
 pub mod sweep;
 pub mod tune;

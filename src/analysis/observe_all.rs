@@ -58,30 +58,26 @@ impl Observer<'_> {
         rows.into_par_iter().map(row).collect::<Vec<_>>().concat()
     }
 
+    /// Where the shadow rays of all receivers end.
+    #[must_use]
+    pub fn light(&self) -> LightEnd {
+        let light = &self.case().light;
+        match light.is_directional() {
+            true => LightEnd::Along(light.view.backward() * self.tracer.reach()),
+            false => LightEnd::Point(light.view.position),
+        }
+    }
+
     /// What all receivers see.
     fn answers(&self, receivers: &[Receiver]) -> (Vec<Answer>, Vec<Count>) {
-        let light = match self.case().light.is_directional() {
-            true => LightEnd::Along(self.case().light.view.backward() * self.tracer.reach()),
-            false => LightEnd::Point(self.case().light.view.position),
-        };
+        let light = self.light();
         if self.effort.truth == TruthBy::Rays {
             return (self.tracer.truths(receivers, light), Vec::new());
         }
-        let options = izb::Options::default();
+        let skips = if self.effort.skip { izb::Skips::ALL } else { izb::Skips::NONE };
+        let options = izb::Options { skips, ..izb::Options::default() };
         let (answers, work) = izb::truths_with(&self.geometry, receivers, light, options);
-        let triangles = Count {
-            what: "casters in the truth",
-            answered: self.geometry.triangles.len() as u64,
-            evaluated: work.triangles,
-            because: "no receiver lies behind them, or all of their cells do before them",
-        };
-        let receivers = Count {
-            what: "pairs of caster and receiver in f64",
-            answered: receivers.len() as u64,
-            evaluated: work.escalated,
-            because: "an f32 test with a proven bound says that the ray misses",
-        };
-        (answers, vec![triangles, receivers])
+        (answers, truth_counts(&work))
     }
 
     fn witnessed(&self, receiver: &Receiver, answer: &Answer) -> Witness {
@@ -145,4 +141,28 @@ impl Observer<'_> {
         let rays = found.iter().map(|(_, rays)| rays).sum();
         (found.into_iter().flat_map(|(depths, _)| depths).collect(), rays)
     }
+}
+
+/// What the irregular z-buffer left out.
+fn truth_counts(work: &izb::Work) -> Vec<Count> {
+    vec![
+        Count {
+            what: "casters in the truth",
+            answered: work.triangles,
+            evaluated: work.swept,
+            because: "they lie beside the receivers, or farther from the light than all of theirs",
+        },
+        Count {
+            what: "pairs of caster and receiver",
+            answered: work.answered,
+            evaluated: work.evaluated,
+            because: "they share no cell of the light's grid",
+        },
+        Count {
+            what: "pairs by exact signs",
+            answered: work.evaluated,
+            evaluated: work.escalated,
+            because: "the error bound of f32 decides, or the hit lies between known occluders",
+        },
+    ]
 }

@@ -91,6 +91,7 @@ impl<'o, 'a> Walk<'o, 'a> {
     fn triangle_at(&self, position: DVec3) -> Option<u32> {
         let geometry = &self.observer.geometry;
         let own = geometry.area_normal(self.triangle);
+        let own_length = length(own);
         let inside = |t: u32| {
             let [a, b, c] = geometry.corners(t);
             let normal = geometry.area_normal(t);
@@ -99,10 +100,12 @@ impl<'o, 'a> Walk<'o, 'a> {
             side(a, b) >= slack && side(b, c) >= slack && side(c, a) >= slack
         };
         let coplanar = |t: u32| {
-            let normal = geometry.area_normal(t);
-            let cross = length(normal.cross(own));
             let offset = (geometry.corners(t)[0] - self.origin).dot(own);
-            cross <= 1e-9 * length(normal) * length(own) && offset.abs() <= 1e-9 * length(own)
+            if offset.abs() > 1e-9 * own_length {
+                return false;
+            }
+            let normal = geometry.area_normal(t);
+            length(normal.cross(own)) <= 1e-9 * length(normal) * own_length
         };
         if inside(self.triangle) {
             return Some(self.triangle);

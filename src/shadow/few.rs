@@ -46,17 +46,3 @@ impl<'f, T> IntoIterator for &'f Few<T> {
         self.iter()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn any_number_is_kept_in_order() {
-        for n in 0..5 {
-            let few: Few<i32> = (0..n).collect();
-            assert_eq!(few.to_vec(), (0..n).collect::<Vec<_>>());
-            assert_eq!(matches!(few, Few::One(_)), n == 1, "one lies in place");
-        }
-    }
-}

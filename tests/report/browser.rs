@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use gnomon::analysis::documents::{Options, Which, report};
+use gnomon::analysis::documents::{Options, report};
 use gnomon::conformance::device_json;
 use gnomon::device::DeviceProfile;
 use gnomon::report::explorer::{Explorer, Values};

@@ -158,34 +158,3 @@ fn random(x: u32, y: u32) -> f32 {
     }
     (bits >> 8) as f32 / 16_777_216.0
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_name_is_a_sound_scene() {
-        for name in NAMES {
-            let case = named(name).expect(name);
-            assert_eq!(case.name, name);
-            let view = case.light.view.checked("light").and(case.camera.view.checked("camera"));
-            assert!(view.is_ok(), "{name}: {view:?}");
-            for object in &case.objects {
-                let mesh = &object.mesh;
-                assert!(mesh.positions.iter().all(|p| p.is_finite()), "{name} {}", object.name);
-                let indices = mesh.triangles.iter().flatten();
-                assert!(indices.max().is_some_and(|&i| (i as usize) < mesh.positions.len()));
-            }
-        }
-        assert!(named("terrain-1").is_none() && named("meadow").is_none());
-    }
-
-    #[test]
-    fn a_terrain_has_about_as_many_triangles_as_asked() {
-        for asked in [2, 1000, 100_000] {
-            let case = named(&format!("terrain-{asked}")).expect("a terrain");
-            let count: usize = case.objects.iter().map(|o| o.mesh.triangles.len()).sum();
-            assert!(count >= asked && count <= asked + asked / 4 + 64, "{asked}: {count}");
-        }
-    }
-}
