@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::num;
 use crate::output;
-use crate::report::{Profile, Report, Table, Written};
+use crate::report::{Profile, Report, Table, Written, write_index};
 use crate::{Error, Result};
 
 /// Arguments that every experiment takes; flatten them into the binary's own.
@@ -68,12 +68,16 @@ impl Common {
         rayon::broadcast(|_| num::check_float_mode()).into_iter().collect()
     }
 
-    /// Writes the report (and `--json`), prints its summary table and where the page is.
+    /// Writes the report (and `--json`), prints its summary table and where the page is. The index
+    /// over all reports follows where the report's folder is the usual one.
     ///
     /// # Errors
     /// As [`Report::write`], and [`Error::Write`] for `--json`.
     pub fn finish(&self, report: &Report) -> Result<Written> {
         let written = report.write(&self.folder(&report.name))?;
+        if self.out.is_none() {
+            write_index(Path::new("reports"))?;
+        }
         let to_stdout = self.json.as_deref() == Some(Path::new("-"));
         match &self.json {
             Some(_) if to_stdout => print(&json_text(&report.results))?,

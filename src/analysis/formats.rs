@@ -53,6 +53,8 @@ pub struct Measured {
     pub quantum_world: f64,
     /// Share of the truly lit in false shadow at each of [`biases`].
     pub curve: Vec<f64>,
+    /// Share of all counted receivers with a wrong verdict at each of [`biases`].
+    pub wrong: Vec<f64>,
 }
 
 /// The biases of the plots, window depth.
@@ -92,6 +94,7 @@ impl Measured {
             gap: critical.map(|b| curve.gaps_at(&[b])[0]),
             quantum_world: quantum_world(field, format, reversed),
             curve: shares(&curve, lit),
+            wrong: wrong_shares(&curve, field.samples.len()),
         }
     }
 
@@ -127,6 +130,11 @@ impl Measured {
 
 fn shares(curve: &Curve, lit: f64) -> Vec<f64> {
     curve.at(&biases()).iter().map(|t| t.false_shadow() as f64 / lit).collect()
+}
+
+fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<f64> {
+    let all = receivers.max(1) as f64;
+    curve.at(&biases()).iter().map(|t| (t.false_shadow() + t.false_light()) as f64 / all).collect()
 }
 
 /// One step of the format at the middle receiver. R8 and the book's packing keep 1/255: the book's
@@ -177,7 +185,7 @@ fn plot(case: &Case, formats: &[Measured]) -> Plot {
         title: format!("{}: false shadow under each format", case.name),
         caption: "Where lines coincide the slope of the surface decides and the format does not matter; dashed lines are reversed depth.".into(),
         x: Axis::log("constant bias [window depth]"),
-        y: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
+        y: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
         series: formats.iter().enumerate().map(line).collect(),
         markers: vec![Marker { x: f64::from(case.bias), label: "its own bias".into(), colour: Colour::Ink }],
     }

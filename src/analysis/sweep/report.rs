@@ -157,8 +157,8 @@ fn trade_off(case: &CaseSweep, id: &str) -> Option<Plot> {
         id: id.to_string(),
         title: format!("{}: false shadow against false light", case.name),
         caption: "Each line is a strategy, its amount growing from right to left; dots are the Pareto front: nothing else is better on both axes.".into(),
-        x: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
-        y: Axis { label: "false light [% of the shadowed]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
+        x: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
+        y: Axis { label: "false light [% of the shadowed]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
         series: list.iter().enumerate().map(series).collect(),
         markers: Vec::new(),
     };
@@ -201,7 +201,7 @@ fn curves(case: &CaseSweep, id: &str) -> Option<Plot> {
         title: format!("{}: {} bias, {} {}²", case.name, s.strategy, s.format.name(), s.size),
         caption: "Every value follows from one pass: acne falls and lost shadow grows with the bias; edge aliasing stays.".into(),
         x: Axis::log(format!("amount [{}]", s.strategy.unit())),
-        y: Axis { label: "wrong receivers [%]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
+        y: Axis { label: "wrong receivers [%]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
         series: vec![
             line("false shadow", Colour::Vermilion, Style::Steps, &|p| share(p.tally.false_shadow(), lit)),
             line("of it acne", Colour::Orange, Style::Theory, &|p| share(p.tally.of(Kind::Acne), lit)),
