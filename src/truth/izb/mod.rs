@@ -18,7 +18,6 @@
 
 mod bins;
 mod frame;
-mod lanes;
 mod setup;
 mod sweep;
 mod work;

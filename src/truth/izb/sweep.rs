@@ -1,4 +1,5 @@
 //! The sweep: every triangle over the receivers of its cells, sixteen at a time.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -8,11 +9,11 @@ use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, LANES};
 use super::frame::Frame;
-use super::lanes::BATCH;
 use super::setup::{Batch, Item, Plane, Vertices};
 use super::work::{Skips, Work};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
+use crate::simd::lanes::BATCH;
 
 /// What all chunks share.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +49,8 @@ impl Known {
 
     #[inline(always)]
     fn get(&self, place: usize) -> [f32; 2] {
-        self.bounds[place].each_ref().map(|x| f32::from_bits(x.load(Relaxed)))
+        let [near, far] = &self.bounds[place];
+        [f32::from_bits(near.load(Relaxed)), f32::from_bits(far.load(Relaxed))]
     }
 
     fn tighten(&self, place: usize, depths: [f32; 2]) {
@@ -132,7 +134,7 @@ impl Chunk<'_> {
                 let tests = Tests::new(plane, bins, at);
                 let mut candidates = tests.candidates() & (u32::MAX >> (32 - lanes));
                 if candidates != 0 {
-                    candidates &= others(&bins.own[at..at + LANES], id);
+                    candidates &= others(load(&bins.own, at), id);
                 }
                 while candidates != 0 {
                     let lane = candidates.trailing_zeros() as usize;
@@ -230,14 +232,15 @@ struct Tests {
 impl Tests {
     #[inline(always)]
     fn new(plane: &Plane, bins: &Bins, at: usize) -> Self {
-        let load =
-            |values: &[f32]| -> [f32; LANES] { std::array::from_fn(|k| values[at..at + LANES][k]) };
-        let (x, y, depth) = (load(&bins.x), load(&bins.y), load(&bins.depth));
+        let (x, y, depth) = (load(&bins.x, at), load(&bins.y, at), load(&bins.depth, at));
         let mut tests = Self { inside: [0.0; LANES], nearer: [0.0; LANES] };
+        let [[a0, b0, c0], [a1, b1, c1], [a2, b2, c2]] = plane.edges;
+        let [a, b, c] = plane.depth;
         for k in 0..LANES {
             let (dx, dy) = (x[k] - plane.origin[0], y[k] - plane.origin[1]);
-            let [e0, e1, e2] = plane.edges.map(|[a, b, c]| a * dx + b * dy + c);
-            let [a, b, c] = plane.depth;
+            let e0 = a0 * dx + b0 * dy + c0;
+            let e1 = a1 * dx + b1 * dy + c1;
+            let e2 = a2 * dx + b2 * dy + c2;
             let least = if e0 < e1 { e0 } else { e1 };
             tests.inside[k] = if least < e2 { least } else { e2 };
             tests.nearer[k] = a * dx + b * dy + (c - depth[k] * plane.per_depth);
@@ -256,13 +259,17 @@ impl Tests {
     }
 }
 
+#[inline(always)]
+fn load<T>(values: &[T], at: usize) -> &[T; LANES] {
+    values[at..at + LANES].first_chunk().expect("as long as that")
+}
+
 /// One bit for each receiver that does not lie on triangle `id`.
 #[inline(always)]
-fn others(own: &[u32], id: u32) -> u32 {
-    let own: [u32; LANES] = std::array::from_fn(|k| own[k]);
+fn others(own: &[u32; LANES], id: u32) -> u32 {
     let mut bits = 0;
-    for (k, own) in own.iter().enumerate() {
-        bits |= u32::from(*own != id) << k;
+    for k in 0..LANES {
+        bits |= u32::from(own[k] != id) << k;
     }
     bits
 }
