@@ -137,7 +137,7 @@ fn plot(case: &str, id: &str, label: &str, own: &[&Entry], cost: impl Fn(&Entry)
         y: Axis {
             label: "false shadow + false light [%]".into(),
             scale: Scale::SymLog { linear: 0.1 },
-            range: None,
+            ..Axis::default()
         },
         series: all,
         markers: Vec::new(),
