@@ -13,7 +13,7 @@ pub mod cost;
 pub mod report;
 pub mod time;
 
-use super::sweep::tally::Kind;
+use super::sweep::tally::{Kind, SHARE};
 use super::sweep::{CaseSweep, Plan, Swept, sweep_case};
 use crate::scene::Filter;
 use crate::shadow::bias::Strategy;
@@ -24,9 +24,9 @@ use serde::Serialize;
 /// What is left wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Errors {
-    /// Share of the truly lit that is not fully lit.
+    /// Share of their light that the truly lit lose: mean of 1 − v.
     pub false_shadow: f64,
-    /// Share of the truly shadowed that is not fully dark.
+    /// Share of light that the truly shadowed get: mean of v.
     pub false_light: f64,
     /// Longest way that a peter-panned receiver lies inside its true shadow, world units.
     pub peter_panning: f64,
@@ -64,7 +64,7 @@ pub struct Entry {
 impl Entry {
     fn new(case: &str, swept: &Swept) -> Option<Self> {
         let point = swept.acne_free.as_ref().or_else(|| swept.least())?;
-        let share = |wrong: i64, of: u64| wrong as f64 / of.max(1) as f64;
+        let share = |wrong: i64, of: u64| wrong as f64 / SHARE / of.max(1) as f64;
         Some(Self {
             case: case.to_string(),
             format: swept.format.name(),
@@ -76,8 +76,8 @@ impl Entry {
             acne_free: swept.acne_free.is_some(),
             cost: Cost::of(swept.format, swept.size, swept.filter, swept.strategy),
             errors: Errors {
-                false_shadow: share(point.tally.false_shadow(), swept.populations[0]),
-                false_light: share(point.tally.false_light(), swept.populations[1]),
+                false_shadow: share(point.tally.shadow, swept.populations[0]),
+                false_light: share(point.tally.light, swept.populations[1]),
                 peter_panning: match point.tally.of(Kind::PeterPanning) {
                     0 => 0.0,
                     _ => point.gap,
@@ -97,7 +97,7 @@ impl Entry {
         [bytes, passes, fetches, operations, false_shadow, false_light, peter_panning]
     }
 
-    /// Share of wrong verdicts of both kinds.
+    /// Both kinds together.
     #[must_use]
     pub fn wrong(&self) -> f64 {
         self.errors.false_shadow + self.errors.false_light

@@ -64,7 +64,7 @@ fn lead(plan: &Plan, entries: &[Entry], ways: &[(String, Vec<Way>)]) -> Vec<Stri
             continue;
         };
         lead.push(format!(
-            "{}: {} of {} combinations are on the front; the least wrong verdicts are {} ({}); within a tenth of that the least operations a look-up are {} ({}).",
+            "{}: {} of {} combinations are on the front; the least wrong visibility is {} ({}); within a tenth of that the least operations a look-up are {} ({}).",
             case.name,
             own().filter(|e| e.front).count(),
             own().count(),
@@ -107,7 +107,7 @@ fn front(case: &str, own: &[&Entry]) -> Section {
     section
 }
 
-/// Wrong verdicts over one cost, a colour for each strategy, and the least wrong up to each cost.
+/// Wrong visibility over one cost, a colour for each strategy, and the least wrong up to each cost.
 fn plot(case: &str, id: &str, label: &str, own: &[&Entry], cost: impl Fn(&Entry) -> f64) -> Plot {
     let place = |e: &&Entry| (cost(e), 100.0 * e.wrong());
     let mut names: Vec<&str> = own.iter().map(|e| e.strategy).collect();
@@ -129,7 +129,7 @@ fn plot(case: &str, id: &str, label: &str, own: &[&Entry], cost: impl Fn(&Entry)
     all.insert(0, least);
     Plot {
         id: format!("{case}-{id}"),
-        title: format!("{case}: wrong verdicts over {label}"),
+        title: format!("{case}: wrong visibility over {label}"),
         caption: format!(
             "Points low and on the left are good; the line is the front over {label} alone."
         ),
@@ -171,8 +171,8 @@ fn table<'e>(id: &str, caption: &str, entries: impl Iterator<Item = &'e Entry>) 
         .column("passes", "", "over the casters")
         .column("fetches", "texels", "a look-up")
         .column("operations", "", "arithmetic operations of a look-up")
-        .column("false shadow", "", "share of the truly lit")
-        .column("false light", "", "share of the truly shadowed")
+        .column("false shadow", "", "light that the truly lit lose: mean of 1 - visibility")
+        .column("false light", "", "light that the truly shadowed get: mean visibility")
         .column("peter-panning", "world units", "longest way inside the true shadow")
         .column("front", "", "nothing is better in everything");
     for e in entries {
@@ -235,7 +235,8 @@ fn method() -> Section {
          derivative. Per comparison: two for its coordinates (unless it is the only one), one for the \
          bias, one to compare, and the packing's unpack, counted by running it. Filters add their \
          average and, where bilinear, 13 for fractions and interpolation. Strategies add their own.",
-        "Errors: at the smallest amount from which acne stays within the limit; where there is none, at \
+        "Errors are means of |visibility - truth|, so that a soft edge counts by how soft it is. They are \
+         those at the smallest amount from which acne stays within the limit; where there is none, at \
          the amount with the fewest wrong verdicts.",
     ] {
         section.push(text);
