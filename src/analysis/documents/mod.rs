@@ -1,5 +1,6 @@
 //! The documents' systems measured end to end, and the report that shows them.
 
+mod ask;
 mod case_page;
 mod device_panel;
 mod explore;
@@ -9,8 +10,12 @@ pub mod overview;
 mod probes;
 mod shade;
 
+pub use ask::Ask;
+
+use super::captured::Captured;
 use super::curve::Curve;
-use super::measure::measure;
+use super::effort::{self, Effort};
+use super::measure::{Measured, measure_by, measure_captured};
 use super::measurement::Measurement;
 use crate::device::DeviceProfile;
 use crate::report::{Finding, Profile, Report, Section};
@@ -32,6 +37,10 @@ pub struct Options {
     pub which: Which,
     /// Another device than the cases' own.
     pub device: Option<DeviceProfile>,
+    /// How it is measured; the results do not depend on it.
+    pub effort: Effort,
+    /// A map to be looked up in place of the one that the case draws.
+    pub captured: Option<Captured>,
 }
 
 /// The cases of a run.
@@ -43,6 +52,19 @@ pub enum Which {
     Named(String),
     /// A user's own.
     Own(Box<Case>),
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            profile: Profile::Full,
+            seed: 1,
+            which: Which::All,
+            device: None,
+            effort: Effort::default(),
+            captured: None,
+        }
+    }
 }
 
 impl Options {
@@ -109,13 +131,19 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     let page = |case: &Case| {
         let variants = variants(case);
         let (measured, compared) = rayon::join(
-            || measure(case, step),
-            || variants.par_iter().map(|variant| measure(variant, step)).collect::<Vec<_>>(),
+            || measured(case, options),
+            || {
+                let variant = |variant| measure_by(variant, step, options.effort);
+                variants.par_iter().map(variant).collect::<Vec<_>>()
+            },
         );
-        let section = case_page::section(&measured, &compared, step);
+        let mut sections = vec![case_page::section(&measured, &compared, step)];
+        if !matches!(options.which, Which::All) {
+            sections.push(work(&measured));
+        }
         progress();
         Page {
-            section,
+            sections,
             wrong: wrong_shares(&measured.curve),
             measurement: measured.measurement,
             compared: compared.into_iter().map(|c| c.measurement).collect(),
@@ -143,7 +171,7 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
 struct Page {
     measurement: Measurement,
     compared: Vec<Measurement>,
-    section: Section,
+    sections: Vec<Section>,
     /// Share of wrong receivers at the biases of [`overview::columns`].
     wrong: Vec<f64>,
 }
@@ -157,6 +185,26 @@ fn wrong_shares(curve: &Curve) -> Vec<f64> {
     overview::columns().into_iter().map(at).collect()
 }
 
+fn measured<'c>(case: &'c Case, options: &Options) -> Measured<'c> {
+    match &options.captured {
+        None => measure_by(case, options.step(), options.effort),
+        Some(captured) => measure_captured(case, options.step(), options.effort, captured),
+    }
+}
+
+/// What the skips saved on one case.
+fn work(measured: &Measured<'_>) -> Section {
+    let id = format!("{}-work", measured.measurement.name);
+    let mut section = Section::new(
+        id.clone(),
+        "Work done and left out",
+        "No result depends on what is left out; --no-skip works everything out.",
+    )
+    .folded();
+    section.push(effort::table(&format!("{id}-table"), &measured.work));
+    section
+}
+
 fn finding_json(finding: &Finding) -> Value {
     json!({
         "id": finding.id,
@@ -167,7 +215,7 @@ fn finding_json(finding: &Finding) -> Value {
 }
 
 fn assemble(options: &Options, pages: Vec<Page>, findings: Vec<Finding>, results: Value) -> Report {
-    let split = |page: Page| (page.measurement, (page.wrong, page.section));
+    let split = |page: Page| (page.measurement, (page.wrong, page.sections));
     let (measurements, rest): (Vec<_>, Vec<_>) = pages.into_iter().map(split).unzip();
     let (wrong, sections): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
     let mut report = Report {
@@ -191,7 +239,7 @@ fn assemble(options: &Options, pages: Vec<Page>, findings: Vec<Finding>, results
     );
     found.push(findings);
     report.sections.extend([overview::section(&measurements, wrong), found]);
-    report.sections.extend(sections);
+    report.sections.extend(sections.concat());
     report.sections.push(device_panel::section());
     report.sections.push(method());
     report
