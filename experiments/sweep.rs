@@ -1,10 +1,10 @@
 //! Which bias strategy, at which amount, ends acne at the least cost, on which map and format?
 use clap::Parser;
-use gnomon::analysis::sweep::{self, Plan, Range, gate, plan};
-use gnomon::harness::{Common, Progress, print, run};
+use gnomon::analysis::sweep::{self, Plan, Range, gate, plan, shard};
+use gnomon::harness::{Common, Division, Job, print, read_json, run};
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Sweeps bias strategies over cases, map sizes, formats and filters: exact counts of acne, lost shadow
@@ -15,6 +15,7 @@ use std::process::ExitCode;
 ///   gnomon-sweep --case book-r8-y7 --map 256,512 --format unorm16,f32 --bias 1e-7:1e-2:log:200
 ///   gnomon-sweep --case upc --strategy constant --bias 0.001 --fail-acne 0.1%
 ///   gnomon-sweep --case exam-pcf --baseline old/results.json
+///   gnomon-sweep --shard 3/8 --out parts    (and, once all 8 are there: gnomon-sweep --merge parts)
 #[derive(Parser)]
 #[command(name = "gnomon-sweep", version, verbatim_doc_comment)]
 struct Args {
@@ -54,6 +55,8 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     #[arg(long, value_name = "PATH")]
     baseline: Option<PathBuf>,
     #[command(flatten)]
+    division: Division,
+    #[command(flatten)]
     common: Common,
 }
 fn main() -> ExitCode {
@@ -83,13 +86,17 @@ fn body(args: &Args) -> Result<()> {
         peter_panning: args.fail_peter_panning,
     };
     let baseline = args.baseline.as_deref().map(read_json).transpose()?;
-    let bar = Progress::new(plan.cases.len() * plan.sizes.len() * plan.filters.len(), "sweeping");
-    let sweeps = sweep::run(&plan, || bar.step());
-    bar.finish();
+    let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
+    let mut worker = shard::Worker::new(&plan);
+    let done = args.division.run(&args.common, &job, |item| worker.compute(item))?;
+    let Some(done) = done else { return Ok(()) };
+    let sweeps = shard::assemble(&plan, &done.results())?;
     let (profile, seed) = (args.common.profile(), args.common.seed);
     let command = format!("gnomon-sweep --{profile}");
-    let report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    let mut report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    report.warnings.extend(done.warnings());
     args.common.finish(&report)?;
+    done.close()?;
     judge(&sweeps, &limits, baseline.as_ref())
 }
 
@@ -110,11 +117,4 @@ fn judge(
         failed.extend(comparison.worse);
     }
     if failed.is_empty() { Ok(()) } else { Err(Error::CheckFailed(failed.join("; "))) }
-}
-
-fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
-    let fix = "give the results.json of a sweep";
-    serde_json::from_str(&text)
-        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
 }

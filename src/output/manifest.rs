@@ -44,12 +44,14 @@ impl Manifest {
         })
     }
 
-    /// The manifest as a file to publish beside the others.
+    /// The manifest as a file to publish beside the others. Its last member is the digest of the text
+    /// before it, so that [`verify`] finds a change of the manifest too.
     #[must_use]
     pub fn to_file(&self) -> OutFile {
-        let mut text = serde_json::to_string_pretty(self).expect("a manifest is JSON");
-        text.push('\n');
-        OutFile::new(MANIFEST, text)
+        let text = serde_json::to_string_pretty(self).expect("a manifest is JSON");
+        let body = text.strip_suffix("\n}").expect("a manifest is an object of members");
+        let own = digest(body.as_bytes());
+        OutFile::new(MANIFEST, format!("{body},\n  \"digest\": \"{own}\"\n}}\n"))
     }
 }
 
@@ -59,13 +61,18 @@ pub fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Compares every file of the folder's manifest with its digest and returns how many agree.
+/// Compares every file of the folder's manifest with its digest, the manifest with its own, and returns
+/// how many files agree.
 ///
 /// # Errors
 /// [`Error::CheckFailed`] names each file that differs; [`Error::Read`] one that is missing.
 pub fn verify(folder: &Path) -> Result<usize> {
     let manifest = Manifest::read(folder)?;
     let mut changed = Vec::new();
+    let path = folder.join(MANIFEST);
+    if fs::read(&path).map_err(|e| Error::read(&path, e))? != manifest.to_file().bytes {
+        changed.push(MANIFEST);
+    }
     for (name, expected) in &manifest.outputs {
         let path = folder.join(name);
         let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
