@@ -56,6 +56,28 @@ impl Common {
         self.out.clone().unwrap_or_else(|| Path::new("reports").join(name))
     }
 
+    /// The command that makes the same report again: the program's arguments but for those that only
+    /// say where to write, with how many threads and from which parts.
+    #[must_use]
+    pub fn command(name: &str) -> String {
+        const ELSEWHERE: [&str; 4] = ["--out", "--json", "--threads", "--merge"];
+        let mut arguments = std::env::args().skip(1).peekable();
+        let mut kept = vec![name.to_string()];
+        while let Some(argument) = arguments.next() {
+            match ELSEWHERE.iter().find_map(|flag| argument.strip_prefix(flag)) {
+                Some("") => {
+                    drop(arguments.next());
+                    let several = argument == "--merge";
+                    while several && arguments.next_if(|value| !value.starts_with('-')).is_some() {}
+                }
+                Some(value) if value.starts_with('=') => {}
+                _ if argument == "--resume" => {}
+                _ => kept.push(argument),
+            }
+        }
+        kept.join(" ")
+    }
+
     /// Sets up the worker threads and checks the floating-point mode of each; call once, before any
     /// parallel work. With `--verify` it checks that folder and ends the program.
     ///

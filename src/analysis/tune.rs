@@ -26,6 +26,8 @@ pub struct Request {
     pub profile: Profile,
     /// Seed, for the record.
     pub seed: u64,
+    /// The command that asks this again.
+    pub command: String,
 }
 
 /// One parameter at its smallest value that meets the target.
@@ -276,10 +278,7 @@ pub fn report(request: &Request) -> Report {
             ("filter".into(), filter.to_string()),
             ("allowed acne".into(), request.max_acne.to_string()),
         ]),
-        command: format!(
-            "gnomon-tune --case {} --engine {engine} --{}",
-            case.name, request.profile
-        ),
+        command: request.command.clone(),
         sections: vec![section],
         results_csv: Some(artifacts(&rows, populations)),
         results: results(request, &values, window, cheap.as_ref(), &budget),
