@@ -99,16 +99,16 @@ fn a_full_disk_leaves_published_files_and_can_be_gone_on_from() {
     let single = out.path().join("single");
     expect(&run_in(&single, &[]), 0);
     let disk = out.path().join("disk");
-    let Some(_mounted) = small_disk(&disk, "8m") else {
+    let Some(_mounted) = small_disk(&disk, "4m") else {
         return println!("SKIPPED: no right to mount a small disk");
     };
     let folder = disk.join("r");
     expect(&run_in(&folder, &[]), 0);
     let published = content(&folder);
     // Fill the disk but for so many KiB: the journal, staging or neither finds room.
-    for room in [0, 16, 64, 256] {
+    for room in [0, 64] {
         let ballast = disk.join("ballast");
-        fs::write(&ballast, vec![0; 8 << 20]).unwrap_err();
+        fs::write(&ballast, vec![0; 4 << 20]).unwrap_err();
         let filled = fs::metadata(&ballast).unwrap().len();
         fs::File::options()
             .write(true)
@@ -132,7 +132,7 @@ fn a_full_disk_leaves_published_files_and_can_be_gone_on_from() {
 fn a_read_only_folder_is_one_sentence() {
     let out = tempfile::tempdir().unwrap();
     let disk = out.path().join("disk");
-    let Some(_mounted) = small_disk(&disk, "8m") else {
+    let Some(_mounted) = small_disk(&disk, "4m") else {
         return println!("SKIPPED: no right to mount a small disk");
     };
     let folder = disk.join("r");
@@ -163,8 +163,8 @@ fn race(pairs: u32) {
 }
 
 #[test]
-fn three_races_for_one_folder() {
-    race(3);
+fn two_races_for_one_folder() {
+    race(2);
 }
 
 #[test]

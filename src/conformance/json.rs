@@ -14,8 +14,12 @@ pub(super) struct Field<'a> {
 
 /// Reads and parses a JSON file.
 pub(super) fn read(path: &Path) -> Result<Value> {
-    let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;
-    serde_json::from_slice(&bytes)
+    parse(path, &std::fs::read(path).map_err(|e| Error::read(path, e))?)
+}
+
+/// Parses the bytes of the JSON file at `path`.
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Value> {
+    serde_json::from_slice(bytes)
         .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), "give valid JSON"))
 }
 

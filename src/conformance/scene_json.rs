@@ -56,11 +56,18 @@ pub struct FileEntry {
 /// # Errors
 /// [`crate::Error::BadInput`] naming file and field where something is missing, malformed or contradictory.
 pub fn read(path: &Path) -> Result<SceneDump> {
-    let value = json::read(path)?;
-    parse(path, &value)
+    from_value(path, &json::read(path)?)
 }
 
-fn parse(path: &Path, value: &Value) -> Result<SceneDump> {
+/// The same from the file's bytes; `path` names it in complaints.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneDump> {
+    from_value(path, &json::parse(path, bytes)?)
+}
+
+fn from_value(path: &Path, value: &Value) -> Result<SceneDump> {
     let root = Field::root(path, value);
     let rules = root.get("rules")?;
     let lookup = lookup(&root, &rules)?;
@@ -331,7 +338,7 @@ mod tests {
     fn complaint(edit: impl FnOnce(&mut Value)) -> String {
         let mut value = minimal();
         edit(&mut value);
-        match parse(Path::new("scene.json"), &value) {
+        match from_value(Path::new("scene.json"), &value) {
             Ok(_) => "accepted".to_string(),
             Err(e) => e.to_string(),
         }
@@ -393,7 +400,7 @@ mod tests {
     fn errors_are_bad_input() {
         let mut value = minimal();
         value["canvas"] = serde_json::json!([0, 4]);
-        let error = parse(Path::new("scene.json"), &value).unwrap_err();
+        let error = from_value(Path::new("scene.json"), &value).unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }), "{error}");
         assert_eq!(error.exit_code(), 2);
     }

@@ -5,6 +5,7 @@
 //! written. All three end with the same outcomes, so whatever is made from them is the same too.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -254,13 +255,13 @@ impl Division {
         signals::advise(format!("finished items are kept; go on with: {}", resume_line()));
         let bar = Progress::new(range.len(), &format!("{} items", job.name));
         for index in range {
-            if !outcomes.contains_key(&index) {
+            if let Entry::Vacant(place) = outcomes.entry(index) {
                 if interrupted() {
                     return Err(Error::Partial("interrupted".into()));
                 }
                 let outcome = guarded(|| compute(index));
                 journal.append(index, &outcome)?;
-                outcomes.insert(index, outcome);
+                place.insert(outcome);
             }
             bar.step();
         }

@@ -38,9 +38,17 @@ impl Manifest {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
-        serde_json::from_slice(&bytes).map_err(|e| {
+        Self::parse(&path.display().to_string(), &bytes)
+    }
+
+    /// Parses a manifest's bytes; `place` names it in complaints.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] when it is not a manifest.
+    pub fn parse(place: &str, bytes: &[u8]) -> Result<Self> {
+        serde_json::from_slice(bytes).map_err(|e| {
             let reason = format!("is not a manifest ({e})");
-            Error::bad_input(path.display().to_string(), reason, "run the experiment again")
+            Error::bad_input(place, reason, "run the experiment again")
         })
     }
 

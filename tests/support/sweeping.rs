@@ -12,13 +12,13 @@ use std::process::{Child, Command, Output, Stdio};
 pub(crate) const AXES: [&str; 9] = [
     "--quick",
     "--case",
-    "upc,book-r8-y7",
+    "upc",
     "--map",
-    "64,128,256",
+    "32,64,96,128,192,256",
     "--format",
     "book,f32",
     "--strategy",
-    "constant,normal-offset",
+    "receiver-slope",
 ];
 
 pub(crate) fn sweep(arguments: &[&str]) -> Command {

@@ -1,21 +1,20 @@
 //! Wavefront OBJ: positions and faces only; material files are never opened.
 
-use super::files::{Budget, Limits};
+use super::files::Budget;
 use super::{LoadedScene, check_indices, check_positions};
 use crate::scene::shapes::Mesh;
 use crate::{Error, Result};
 use glam::{Mat4, Vec3};
 use std::path::Path;
 
-pub(super) fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
-    let mut budget = Budget::new(limits);
-    let bytes = budget.read(path)?;
+pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<LoadedScene> {
     let place = path.display().to_string();
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut bytes.as_slice(), &options, |_| {
-        Ok((Vec::new(), Default::default()))
-    })
-    .map_err(|e| Error::bad_input(&place, format!("is no usable OBJ ({e})"), "repair the file"))?;
+    let (models, _) =
+        tobj::load_obj_buf(&mut { bytes }, &options, |_| Ok((Vec::new(), Default::default())))
+            .map_err(|e| {
+                Error::bad_input(&place, format!("is no usable OBJ ({e})"), "repair the file")
+            })?;
     let mut scene = LoadedScene::default();
     for (i, model) in models.into_iter().enumerate() {
         let at = format!("{place}: object {i} '{}'", model.name);
