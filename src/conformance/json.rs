@@ -12,9 +12,14 @@ pub(super) struct Field<'a> {
     value: &'a Value,
 }
 
+/// A file's bytes.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|e| Error::read(path, e))
+}
+
 /// Reads and parses a JSON file.
 pub(super) fn read(path: &Path) -> Result<Value> {
-    parse(path, &std::fs::read(path).map_err(|e| Error::read(path, e))?)
+    parse(path, &bytes(path)?)
 }
 
 /// Parses the bytes of the JSON file at `path`.

@@ -32,9 +32,14 @@ impl Options {
 #[must_use]
 pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
     let effort = Effort { samples: options.samples(), seed: options.seed };
-    let stresses = run(&effort, done);
+    render(options, &run(&effort, done))
+}
+
+/// The report of stresses that were run with these options.
+#[must_use]
+pub fn render(options: &Options, stresses: &[Stress]) -> Report {
     let rows: Vec<&Row> = stresses.iter().flat_map(|s| &s.rows).collect();
-    let table = verdicts("verdicts", &stresses);
+    let table = verdicts("verdicts", stresses);
     let mut overview = Section::new("overview", "Verdicts", OVERVIEW);
     overview.push(table.clone());
     let mut sections = vec![overview];
@@ -50,10 +55,10 @@ pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
         lead: lead(&rows),
         profile: options.profile,
         seed: options.seed,
-        parameters: BTreeMap::from([("samples".to_string(), effort.samples.to_string())]),
+        parameters: BTreeMap::from([("samples".to_string(), options.samples().to_string())]),
         command: format!("gnomon-stress{}", if quick { flag } else { "" }),
         sections,
-        results: results(options, &stresses),
+        results: results(options, stresses),
         results_csv: Some(table),
         vectors_only: true,
         ..Report::default()
@@ -94,7 +99,11 @@ fn verdicts(id: &str, stresses: &[Stress]) -> Table {
         .column("predicted", "", "Onset by formula, before the run; none where it never happens.")
         .column("measured", "", "Onset on the subject's code; none where it was not seen.")
         .column("difference", "", "|measured − predicted| / predicted.")
-        .column("from there on", "", "What happens; why stands beside the figure.");
+        .column(
+            "event",
+            "",
+            "What begins at the onset, or never does; why stands beside the figure.",
+        );
     for stress in stresses {
         table.rows.extend(stress.rows.iter().map(|row| cells(stress, row)));
     }
