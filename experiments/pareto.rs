@@ -69,7 +69,7 @@ fn body(args: &Args) -> Result<()> {
         let fix = "name a file elsewhere";
         return Err(Error::bad_input("--times", "lies in the report's folder", fix));
     }
-    let bar = Progress::new(plan.cases.len() * plan.sizes.len() * plan.filters.len(), "sweeping");
+    let bar = Progress::new(plan.cases.len() * plan.sizes.len(), "sweeping");
     let entries = pareto::entries(&plan, || bar.step());
     bar.finish();
     let ways: Vec<_> =

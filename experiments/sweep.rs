@@ -1,10 +1,11 @@
 //! Which bias strategy, at which amount, ends acne at the least cost, on which map and format?
 use clap::Parser;
-use gnomon::analysis::sweep::{self, Plan, Range, gate, plan};
-use gnomon::harness::{Common, Progress, print, run};
+use gnomon::analysis::sweep::{self, CaseSweep, Plan, Range, gate, plan, shard};
+use gnomon::harness::{Common, Division, Job, print, run};
 use gnomon::scene::fit::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
+use serde_json::Value;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -17,6 +18,7 @@ use std::process::ExitCode;
 ///   gnomon-sweep --case upc --strategy constant --bias 0.001 --fail-acne 0.1%
 ///   gnomon-sweep --case exam-pcf --baseline old/results.json
 ///   gnomon-sweep --scene room.glb --light-dir 1,-2,0.5 --map 1024,2048 --format unorm16,f32
+///   gnomon-sweep --shard 3/8 --out parts    (and, once all 8 are there: gnomon-sweep --merge parts)
 #[derive(Parser)]
 #[command(name = "gnomon-sweep", version, verbatim_doc_comment)]
 struct Args {
@@ -58,6 +60,8 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     #[arg(long, value_name = "PATH")]
     baseline: Option<PathBuf>,
     #[command(flatten)]
+    division: Division,
+    #[command(flatten)]
     common: Common,
 }
 fn main() -> ExitCode {
@@ -67,10 +71,6 @@ fn main() -> ExitCode {
 
 fn body(args: &Args) -> Result<()> {
     args.common.start()?;
-    let filter = |name: &String| match name.as_str() {
-        "own" => Ok(None),
-        name => name.parse().map(Some),
-    };
     let plan = Plan {
         cases: match args.scene.case()? {
             Some(own) => vec![own],
@@ -78,7 +78,7 @@ fn body(args: &Args) -> Result<()> {
         },
         sizes: args.map.clone(),
         formats: args.format.iter().map(|f| plan::format_named(f)).collect::<Result<_>>()?,
-        filters: args.filter.iter().map(filter).collect::<Result<_>>()?,
+        filters: args.filter.iter().map(|f| plan::filter_named(f)).collect::<Result<_>>()?,
         strategies: args.strategy.clone(),
         bias: args.bias.parse::<Range>()?,
         step: if args.common.quick { 4 } else { 1 },
@@ -90,31 +90,29 @@ fn body(args: &Args) -> Result<()> {
         peter_panning: args.fail_peter_panning,
     };
     let baseline = args.baseline.as_deref().map(gate::baseline).transpose()?;
-    let bar = Progress::new(plan.cases.len() * plan.sizes.len() * plan.filters.len(), "sweeping");
-    let sweeps = sweep::run(&plan, || bar.step());
-    bar.finish();
+    let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
+    let mut worker = shard::Worker::new(&plan);
+    let compute = |item| worker.compute(item);
+    let Some(done) = args.division.run(&args.common, &job, compute)? else { return Ok(()) };
+    let sweeps = shard::assemble(&plan, &done.results())?;
     let (profile, seed) = (args.common.profile(), args.common.seed);
     let command = Common::command("gnomon-sweep");
-    let report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    let mut report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    report.warnings.extend(done.warnings());
     args.common.finish(&report)?;
+    done.close()?;
     judge(&sweeps, &limits, baseline.as_ref())
 }
 
-fn judge(
-    sweeps: &[sweep::CaseSweep],
-    limits: &gate::Limits,
-    baseline: Option<&serde_json::Value>,
-) -> Result<()> {
+fn judge(sweeps: &[CaseSweep], limits: &gate::Limits, baseline: Option<&Value>) -> Result<()> {
     let mut failed = gate::failures(sweeps, limits);
     if let Some(baseline) = baseline {
-        let comparison = gate::compare(baseline, sweeps)?;
-        let (better, same) = (comparison.better, comparison.same);
-        let worse = comparison.worse.len();
-        let unmatched = comparison.unmatched;
+        let gate::Comparison { worse, better, same, unmatched } = gate::compare(baseline, sweeps)?;
         print(&format!(
-            "against the baseline: {worse} worse, {better} better, {same} same, {unmatched} in one run only\n"
+            "against the baseline: {} worse, {better} better, {same} same, {unmatched} in one run only\n",
+            worse.len()
         ))?;
-        failed.extend(comparison.worse);
+        failed.extend(worse);
     }
     if failed.is_empty() { Ok(()) } else { Err(Error::CheckFailed(failed.join("; "))) }
 }

@@ -148,7 +148,7 @@ fn cpu_seconds() -> f64 {
 #[test]
 #[ignore = "a timing; prints the time of six formats from one raster over that of one"]
 fn six_formats_from_one_raster() {
-    use gnomon::analysis::sweep::{Plan, Range, sweep_case};
+    use gnomon::analysis::sweep::{self, Plan, Range};
     use gnomon::scene::Filter;
     use gnomon::shadow::bias::Strategy;
     let mut case = cases::named("terrain-100000").expect("a standard scene");
@@ -166,8 +166,8 @@ fn six_formats_from_one_raster() {
             max_acne: 0.0,
         };
         let before = cpu_seconds();
-        let swept = sweep_case(&case, &plan, &|| ());
-        assert_eq!(swept.swept.len(), formats.len());
+        let sweeps = sweep::run(&plan, || ());
+        assert_eq!(sweeps[0].swept.len(), formats.len());
         cpu_seconds() - before
     };
     let one = seconds(&["f32"]);

@@ -81,6 +81,8 @@ pub struct Report {
     pub results_csv: Option<Table>,
     /// Caveats, shown beside what they qualify.
     pub warnings: Vec<Warning>,
+    /// Plots as SVG files alone, without a PNG each: for reports of many plots.
+    pub vectors_only: bool,
 }
 
 /// A part of the page with a heading of its own.

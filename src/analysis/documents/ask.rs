@@ -42,7 +42,7 @@ impl Ask {
     pub fn options(&self, profile: Profile, seed: u64) -> Result<Options> {
         let mut one = self.one()?;
         let captured = match &mut one {
-            Some(case) => self.captured.apply(case, self.scene.scene.is_some())?,
+            Some(case) => self.captured.apply(case, self.scene.file.scene.is_some())?,
             None if self.captured.map_file.is_none() && self.save_map.is_none() => None,
             None => {
                 let fix = "give --case or --scene";

@@ -103,6 +103,7 @@ pub const fn strategy_operations(strategy: Strategy) -> [u32; 2] {
         | Strategy::CasterUrp
         | Strategy::CasterBabylon
         | Strategy::CasterLight
+        | Strategy::CasterUnreal
         | Strategy::FrontCulling
         | Strategy::SecondDepth
         | Strategy::Midpoint
@@ -114,6 +115,8 @@ pub const fn strategy_operations(strategy: Strategy) -> [u32; 2] {
         Strategy::NormalOffset | Strategy::LightOffset => [6, 0],
         // The same with the amount times one factor of the texel.
         Strategy::NormalBevy | Strategy::NormalHdrp => [7, 0],
+        // (1 − N·L): a dot product and a difference; one product, three multiply-adds.
+        Strategy::NormalCesium => [13, 0],
         // sin θ from N·L: a dot product (5), 1 − c² (2), a root (1), two products.
         Strategy::NormalFilament | Strategy::NormalBlender => [16, 0],
         // (1 − N·L), and the part along L taken off: two dot products and three more multiply-adds.

@@ -14,11 +14,10 @@ pub mod report;
 pub mod time;
 
 use super::sweep::tally::{Kind, SHARE};
-use super::sweep::{CaseSweep, Plan, Swept, sweep_case};
+use super::sweep::{self, CaseSweep, Plan, Swept};
 use crate::scene::Filter;
 use crate::shadow::bias::Strategy;
 use cost::Cost;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// What is left wrong.
@@ -132,13 +131,12 @@ pub const STRATEGIES: [Strategy; 5] = [
 
 /// Every combination of a plan with its cost and errors, the front marked, in the plan's order.
 #[must_use]
-pub fn entries(plan: &Plan, done: impl Fn() + Sync) -> Vec<Entry> {
+pub fn entries(plan: &Plan, done: impl Fn()) -> Vec<Entry> {
     let of = |sweep: CaseSweep| {
         let entry = |swept: &Swept| Entry::new(&sweep.name, swept);
         sweep.swept.iter().filter_map(entry).collect::<Vec<_>>()
     };
-    let sweeps = plan.cases.par_iter().map(|case| of(sweep_case(case, plan, &done)));
-    let mut entries = sweeps.collect::<Vec<_>>().concat();
+    let mut entries: Vec<Entry> = sweep::run(plan, done).into_iter().flat_map(of).collect();
     mark_front(&mut entries);
     entries
 }

@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::compact::compact;
 use super::layout::{self, Layout, MARGIN, Placed, ROW, SWATCH, TEXT, TITLE, font};
 use super::ruler::Ruler;
 use super::{Plot, Series, Size, Style};
@@ -36,7 +37,7 @@ pub(super) fn svg(plot: &Plot, size: Size) -> String {
     let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
     figure.draw(&area).expect("drawing into a string cannot fail");
     drop(area);
-    text
+    compact(&text)
 }
 
 pub(super) fn png(plot: &Plot, size: Size) -> Vec<u8> {

@@ -1,5 +1,6 @@
 //! Plots as data: axes with units, series, markers; drawn as SVG and PNG.
 
+mod compact;
 mod draw;
 mod layout;
 mod ruler;
