@@ -230,7 +230,7 @@ impl Flat {
         if self.vague {
             let inside = p.cmpge(self.low).all() && p.cmple(self.high).all();
             return if inside {
-                state.maybe(self.nearest)
+                state.maybe(self.nearest);
             };
         }
         let [e0, e1, e2] = self.edges.map(|[x, y, d]| x * p.x + y * p.y - d);
@@ -242,7 +242,7 @@ impl Flat {
         if inside <= SIDEWAYS || depth <= IN_DEPTH || depth >= 1.0 - IN_DEPTH {
             let on_the_ray = depth > -self.slack && depth < 1.0 + self.slack;
             return if on_the_ray {
-                state.maybe(depth - self.slack)
+                state.maybe(depth - self.slack);
             };
         }
         state.certain(depth, self.id);
