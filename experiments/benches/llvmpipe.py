@@ -144,7 +144,7 @@ def compare(gl, texture, stem, size):
     far = numpy.abs(theirs.astype(float) - ours)
     print(
         f"llvmpipe ({gl.glGetString(0x1F01).decode()}): coverage differs at {covered} texels, "
-        f"depth by more than 1e-4 at {numpy.count_nonzero(far > 1e-4)}"
+        f"depth by more than 1e-4 at {numpy.count_nonzero(far > 1e-4)} texels"
     )
 
 

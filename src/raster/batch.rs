@@ -185,23 +185,41 @@ fn ends([a, b, c]: &[Ints; 3], subpixel_bits: u32) -> [Ints; 2] {
 }
 
 impl Edge3 {
-    /// Negative where a pixel of the eight from (x, y) on lies outside of some edge.
+    /// Each edge at eight pixels from the first one on.
     #[inline(always)]
-    pub(super) fn outside(&self, x: i32, y: i32) -> Ints {
-        let (dx, dy) = (x.wrapping_sub(self.samples[0][0]), y.wrapping_sub(self.samples[1][0]));
-        let first = |i: usize| {
-            self.at[i]
-                .wrapping_add(dy.wrapping_mul(self.step[i][1]))
-                .wrapping_add(dx.wrapping_mul(self.step[i][0]))
-        };
-        let (a, b, c) = (first(0), first(1), first(2));
-        let mut outside = [0; BATCH];
-        for k in 0..BATCH {
-            let at = |first: i32, step: i32| first.wrapping_add((k as i32).wrapping_mul(step));
-            outside[k] = at(a, self.step[0][0]) | at(b, self.step[1][0]) | at(c, self.step[2][0]);
-        }
-        outside
+    pub(super) fn ramps(&self) -> [Ints; 3] {
+        [self.ramp(0), self.ramp(1), self.ramp(2)]
     }
+
+    #[inline(always)]
+    fn ramp(&self, i: usize) -> Ints {
+        let mut ramp = [0; BATCH];
+        for k in 0..BATCH {
+            ramp[k] = self.at[i].wrapping_add((k as i32).wrapping_mul(self.step[i][0]));
+        }
+        ramp
+    }
+
+    /// What the edges rise from the first pixel to (x, y).
+    #[inline(always)]
+    pub(super) fn rise(&self, x: i32, y: i32) -> [i32; 3] {
+        let (dx, dy) = (x.wrapping_sub(self.samples[0][0]), y.wrapping_sub(self.samples[1][0]));
+        let rise = |[step_x, step_y]: [i32; 2]| {
+            dx.wrapping_mul(step_x).wrapping_add(dy.wrapping_mul(step_y))
+        };
+        [rise(self.step[0]), rise(self.step[1]), rise(self.step[2])]
+    }
+}
+
+/// Negative where a pixel of the eight lies outside of some edge.
+#[inline(always)]
+pub(super) fn outside([a, b, c]: &[Ints; 3], rise: [i32; 3]) -> Ints {
+    let mut outside = [0; BATCH];
+    for k in 0..BATCH {
+        outside[k] =
+            a[k].wrapping_add(rise[0]) | b[k].wrapping_add(rise[1]) | c[k].wrapping_add(rise[2]);
+    }
+    outside
 }
 
 impl Edges {

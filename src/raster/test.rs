@@ -42,6 +42,7 @@ impl DepthTest {
     }
 
     /// The codes: what `DepthFormat::encode_with` makes of each.
+    #[allow(clippy::manual_clamp, reason = "`clamp` keeps NaN, which must become 0")]
     #[inline(always)]
     pub(super) fn codes(&self, mut z: [f32; BATCH]) -> [u32; BATCH] {
         // NaN and what lies below 0 become 0; a sum with 0 has no sign.

@@ -207,18 +207,26 @@ impl Brush<'_> {
         let last = TILE as i32;
         let (first_x, first_y) = (left.max(x0), bottom.max(y0));
         let (end_x, end_y) = (right.min(x0.wrapping_add(last)), top.min(y0.wrapping_add(last)));
+        let (ramps, mut rise) = (edges.ramps(), edges.rise(first_x, first_y));
         let mut never = [-1; BATCH];
         for y in first_y..end_y {
             let row = S::row(plane, y as f32);
-            let mut x = first_x;
+            let (mut x, mut along) = (first_x, rise);
             while x < end_x {
-                let outside = edges.outside(x, y);
+                let outside = batch::outside(&ramps, along);
                 for k in 0..BATCH {
                     never[k] &= outside[k];
                 }
                 let place = [x.wrapping_sub(x0) as u32, y.wrapping_sub(y0) as u32];
                 self.tile.draw(place, outside, S::along(row, x as u32), id);
                 x = x.wrapping_add(BATCH as i32);
+                for i in 0..3 {
+                    let eight = edges.step[i][0].wrapping_mul(BATCH as i32);
+                    along[i] = along[i].wrapping_add(eight);
+                }
+            }
+            for i in 0..3 {
+                rise[i] = rise[i].wrapping_add(edges.step[i][1]);
             }
         }
         let mut all = -1;
