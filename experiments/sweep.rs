@@ -1,7 +1,7 @@
 //! Which bias strategy, at which amount, ends acne at the least cost, on which map and format?
 use clap::Parser;
 use gnomon::analysis::sweep::{self, CaseSweep, Plan, Range, gate, plan, shard};
-use gnomon::harness::{Common, Division, Job, print, read_json, run};
+use gnomon::harness::{Common, Division, Job, print, run};
 use gnomon::scene::fit::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
@@ -89,7 +89,7 @@ fn body(args: &Args) -> Result<()> {
         acne: args.fail_acne.as_deref().map(gate::share).transpose()?,
         peter_panning: args.fail_peter_panning,
     };
-    let baseline = args.baseline.as_deref().map(read_json).transpose()?;
+    let baseline = args.baseline.as_deref().map(gate::baseline).transpose()?;
     let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
     let mut worker = shard::Worker::new(&plan);
     let compute = |item| worker.compute(item);

@@ -5,9 +5,11 @@ use gnomon::analysis::sweep::chart::{map_spec, usable_filter};
 use gnomon::analysis::sweep::{gate, plan};
 use gnomon::analysis::tune::{self, Request};
 use gnomon::engines::Engine;
-use gnomon::harness::{Common, run};
+use gnomon::harness::{Common, print, print_table, run};
+use gnomon::report::Block;
 use gnomon::scene::fit::SceneFile;
 use gnomon::scene::{Filter, cases};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Finds the smallest bias that ends acne on a scene and prints it as the line to paste into an engine,
@@ -62,5 +64,16 @@ fn body(args: &Args) -> Result<()> {
     let max_acne = gate::share(&args.max_acne)?;
     let command = Common::command("gnomon-tune");
     let report = tune::report(&Request { case, engine, max_acne, profile, seed, command });
-    args.common.finish(&report).map(|_| ())
+    args.common.finish(&report)?;
+    if args.common.json.as_deref() == Some(Path::new("-")) {
+        return Ok(());
+    }
+    for block in report.blocks() {
+        match block {
+            Block::Code { text, .. } => print(&format!("{text}\n"))?,
+            Block::Table(table) if table.id == "units" => print_table(table)?,
+            _ => {}
+        }
+    }
+    Ok(())
 }

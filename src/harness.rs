@@ -14,7 +14,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::num;
 use crate::output::journal;
-use crate::report::{Profile, Report, Table, Written};
+use crate::report::{Profile, Report, Table, Written, write_index};
 use crate::{Error, Result};
 
 /// Arguments that every experiment takes; flatten them into the binary's own.
@@ -100,12 +100,16 @@ impl Common {
         rayon::broadcast(|_| num::check_float_mode()).into_iter().collect()
     }
 
-    /// Writes the report (and `--json`), prints its summary table and where the page is.
+    /// Writes the report (and `--json`), prints its summary table and where the page is. The index
+    /// over all reports follows where the report's folder is the usual one.
     ///
     /// # Errors
     /// As [`Report::write`], and [`Error::Write`] for `--json`.
     pub fn finish(&self, report: &Report) -> Result<Written> {
         let written = report.write(&self.folder(&report.name))?;
+        if self.out.is_none() {
+            write_index(Path::new("reports"))?;
+        }
         let to_stdout = self.json.as_deref() == Some(Path::new("-"));
         match &self.json {
             Some(_) if to_stdout => print(&json_text(&report.results))?,
@@ -140,17 +144,6 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(parent).map_err(|e| Error::write(path, e))?;
     journal::put(path, json_text(value).as_bytes())
-}
-
-/// Reads a JSON file that one of the experiments wrote.
-///
-/// # Errors
-/// [`Error::Read`], or [`Error::BadInput`] where it is no JSON.
-pub fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = std::fs::read(path).map_err(|e| Error::read(path, e))?;
-    let fix = "give a JSON file of an earlier run";
-    serde_json::from_slice(&text)
-        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
 }
 
 /// Prints to stdout. A reader that has gone away (`| head`) ends the program quietly.

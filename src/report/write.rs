@@ -171,9 +171,11 @@ fn figure(id: &str, block: &Block, size: Size) -> Figure {
             files: vec![file(format!("exr/{id}.exr"), image.to_exr())],
             ..Figure::default()
         },
-        Block::Text(_) | Block::Row(_) | Block::Code { .. } | Block::Findings(_) => {
-            Figure::default()
-        }
+        Block::Text(_)
+        | Block::Row(_)
+        | Block::Code { .. }
+        | Block::Findings(_)
+        | Block::Gallery(_) => Figure::default(),
     }
 }
 

@@ -5,12 +5,18 @@ pub mod evaluate;
 pub mod field;
 pub mod gate;
 pub mod looks;
+mod moves;
 pub mod pictures;
 pub mod plan;
+pub(super) mod plots;
 mod reading;
 pub mod report;
 pub mod shard;
+mod store;
 pub mod tally;
+mod theory;
+mod values;
+mod verdicts;
 
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Family, Strategy};
@@ -35,6 +41,10 @@ pub struct CaseSweep {
     pub world_per_window: f64,
     /// Edge of a texel of the own map there, world units.
     pub texel_world: f64,
+    /// Bias and predicted share of acne under NEAREST at the own map size, by the closed form of planes.
+    pub theory: Vec<(f32, f64)>,
+    /// The closed form of the critical bias, where the case has one.
+    pub known_critical: Option<f64>,
     /// In the order of the plan: sizes, filters, formats, strategies.
     pub swept: Vec<Swept>,
 }
@@ -66,6 +76,7 @@ impl CaseSweep {
     /// A case of which nothing is known yet.
     #[must_use]
     pub fn named(case: &Case) -> Self {
+        let known = case.facts.iter().find(|f| f.quantity == "critical_bias");
         Self {
             name: case.name.clone(),
             own_format: case.map.texel.name(),
@@ -73,20 +84,27 @@ impl CaseSweep {
             own_bias: case.bias,
             world_per_window: 1.0,
             texel_world: 0.0,
+            theory: Vec::new(),
+            known_critical: known.map(|f| f.value),
             swept: Vec::new(),
         }
     }
 
     /// A case at its middle receiver, not swept yet.
     #[must_use]
-    pub fn of(field: &Field<'_>) -> Self {
+    pub fn of(field: &Field<'_>, plan: &Plan) -> Self {
         let base = Self::named(field.case());
         let middle = field.samples.get(field.samples.len() / 2);
-        middle.map(|s| field.site(s, base.own_size)).map_or(base.clone(), |site| Self {
-            world_per_window: 1.0 / site.window_per_world,
-            texel_world: site.texel_world,
-            ..base
-        })
+        let mut known =
+            middle.map(|s| field.site(s, base.own_size)).map_or(base.clone(), |site| Self {
+                world_per_window: 1.0 / site.window_per_world,
+                texel_world: site.texel_world,
+                ..base
+            });
+        let biases = amounts(Strategy::Constant, &plan.bias, known.world_per_window);
+        let shares = theory::acne(field, known.own_size, &biases);
+        known.theory = biases.into_iter().zip(shares).collect();
+        known
     }
 }
 
@@ -120,6 +138,16 @@ fn sweep_size(
         Some(sweep(chart_of(format)?, format, strategy, &question))
     };
     pairs.par_iter().filter_map(one).collect()
+}
+
+/// Sweeps one case along all axes of a plan, whatever the plan's own cases are.
+///
+/// # Panics
+/// Never: one case gives one sweep.
+#[must_use]
+pub fn sweep_case(case: &Case, plan: &Plan, done: &impl Fn()) -> CaseSweep {
+    let alone = Plan { cases: vec![case.clone()], ..plan.clone() };
+    run(&alone, done).pop().expect("one case gives one sweep")
 }
 
 /// Sweeps all cases of a plan; `done` is called after each case and map size.

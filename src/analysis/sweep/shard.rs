@@ -71,7 +71,7 @@ impl<'p> Worker<'p> {
             self.field = Some((index, Field::new(case, plan.step)));
         }
         let (_, field) = self.field.as_ref().expect("it has just been set");
-        let facts = CaseSweep::of(field);
+        let facts = CaseSweep::of(field, plan);
         let one = |filter: &Option<_>| {
             let filter = filter.unwrap_or(case.lookup.filter);
             sweep_size(field, size_of(plan, item), filter, plan, facts.world_per_window)
@@ -80,6 +80,7 @@ impl<'p> Worker<'p> {
         let stored = Stored {
             world_per_window: facts.world_per_window.to_bits(),
             texel_world: facts.texel_world.to_bits(),
+            theory: facts.theory.iter().map(|(b, share)| (b.to_bits(), share.to_bits())).collect(),
             swept: swept.iter().flatten().map(StoredSwept::of).collect(),
         };
         serde_json::to_vec(&stored).expect("integers and names are JSON")
@@ -104,6 +105,8 @@ pub fn assemble(plan: &Plan, results: &BTreeMap<u32, &[u8]>) -> Result<Vec<CaseS
         let swept: Vec<Swept> = swept;
         sweep.world_per_window = f64::from_bits(stored.world_per_window);
         sweep.texel_world = f64::from_bits(stored.texel_world);
+        let theory = stored.theory.iter();
+        sweep.theory = theory.map(|&(b, s)| (f32::from_bits(b), f64::from_bits(s))).collect();
         sweep.swept.extend(swept);
     }
     Ok(sweeps)
@@ -114,6 +117,7 @@ pub fn assemble(plan: &Plan, results: &BTreeMap<u32, &[u8]>) -> Result<Vec<CaseS
 struct Stored {
     world_per_window: u64,
     texel_world: u64,
+    theory: Vec<(u32, u64)>,
     swept: Vec<StoredSwept>,
 }
 

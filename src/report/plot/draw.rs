@@ -15,6 +15,9 @@ type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorTy
 type Coordinates = Cartesian2d<Ruler, Ruler>;
 type Chart<'a, DB> = ChartContext<'a, DB, Coordinates>;
 
+/// Thickness of a bar.
+const BAR: u32 = 18;
+
 /// A figure with its axes fitted and its texts placed.
 struct Figure<'a> {
     plot: &'a Plot,
@@ -185,6 +188,9 @@ impl<'a> Figure<'a> {
                     Style::Theory => {
                         chart.draw_series(DashedLineSeries::new(part, 16, 10, style))?
                     }
+                    Style::Bar => {
+                        chart.draw_series(LineSeries::new(part, style.stroke_width(BAR)))?
+                    }
                     _ => chart.draw_series(LineSeries::new(part, style))?,
                 };
             }
@@ -230,6 +236,9 @@ impl<'a> Figure<'a> {
                 for start in (x0..x1 - 10).step_by(22) {
                     area.draw(&PathElement::new([(start, y), (start + 14, y)], style))?;
                 }
+            }
+            Style::Bar => {
+                area.draw(&PathElement::new([(x0, y), (x1, y)], style.stroke_width(BAR)))?;
             }
             Style::Line | Style::Steps => {
                 area.draw(&PathElement::new([(x0, y), (x1, y)], style))?;
