@@ -146,17 +146,6 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
     journal::put(path, json_text(value).as_bytes())
 }
 
-/// Reads a JSON file that one of the experiments wrote.
-///
-/// # Errors
-/// [`Error::Read`], or [`Error::BadInput`] where it is no JSON.
-pub fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = std::fs::read(path).map_err(|e| Error::read(path, e))?;
-    let fix = "give a JSON file of an earlier run";
-    serde_json::from_slice(&text)
-        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
-}
-
 /// Prints to stdout. A reader that has gone away (`| head`) ends the program quietly.
 ///
 /// # Errors

@@ -76,6 +76,7 @@ impl CaseSweep {
     /// A case of which nothing is known yet.
     #[must_use]
     pub fn named(case: &Case) -> Self {
+        let known = case.facts.iter().find(|f| f.quantity == "critical_bias");
         Self {
             name: case.name.clone(),
             own_format: case.map.texel.name(),
@@ -84,25 +85,26 @@ impl CaseSweep {
             world_per_window: 1.0,
             texel_world: 0.0,
             theory: Vec::new(),
-            known_critical: case
-                .facts
-                .iter()
-                .find(|fact| fact.quantity == "critical_bias")
-                .map(|fact| fact.value),
+            known_critical: known.map(|f| f.value),
             swept: Vec::new(),
         }
     }
 
     /// A case at its middle receiver, not swept yet.
     #[must_use]
-    pub fn of(field: &Field<'_>) -> Self {
+    pub fn of(field: &Field<'_>, plan: &Plan) -> Self {
         let base = Self::named(field.case());
         let middle = field.samples.get(field.samples.len() / 2);
-        middle.map(|s| field.site(s, base.own_size)).map_or(base.clone(), |site| Self {
-            world_per_window: 1.0 / site.window_per_world,
-            texel_world: site.texel_world,
-            ..base
-        })
+        let mut known =
+            middle.map(|s| field.site(s, base.own_size)).map_or(base.clone(), |site| Self {
+                world_per_window: 1.0 / site.window_per_world,
+                texel_world: site.texel_world,
+                ..base
+            });
+        let biases = amounts(Strategy::Constant, &plan.bias, known.world_per_window);
+        let shares = theory::acne(field, known.own_size, &biases);
+        known.theory = biases.into_iter().zip(shares).collect();
+        known
     }
 }
 
@@ -136,6 +138,16 @@ fn sweep_size(
         Some(sweep(chart_of(format)?, format, strategy, &question))
     };
     pairs.par_iter().filter_map(one).collect()
+}
+
+/// Sweeps one case along all axes of a plan, whatever the plan's own cases are.
+///
+/// # Panics
+/// Never: one case gives one sweep.
+#[must_use]
+pub fn sweep_case(case: &Case, plan: &Plan, done: &impl Fn()) -> CaseSweep {
+    let alone = Plan { cases: vec![case.clone()], ..plan.clone() };
+    run(&alone, done).pop().expect("one case gives one sweep")
 }
 
 /// Sweeps all cases of a plan; `done` is called after each case and map size.

@@ -1,8 +1,7 @@
 //! A sweep as work items: one case on one map size each, with results that survive a file bit by bit.
 
 use super::tally::Tally;
-use super::{CaseSweep, Field, Plan, Point, Swept, amounts, plan, sweep_size, theory};
-use crate::shadow::bias::Strategy;
+use super::{CaseSweep, Field, Plan, Point, Swept, plan, sweep_size};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -72,23 +71,16 @@ impl<'p> Worker<'p> {
             self.field = Some((index, Field::new(case, plan.step)));
         }
         let (_, field) = self.field.as_ref().expect("it has just been set");
-        let facts = CaseSweep::of(field);
+        let facts = CaseSweep::of(field, plan);
         let one = |filter: &Option<_>| {
             let filter = filter.unwrap_or(case.lookup.filter);
             sweep_size(field, size_of(plan, item), filter, plan, facts.world_per_window)
-        };
-        let theory = if item % plan.sizes.len() == 0 {
-            let biases = amounts(Strategy::Constant, &plan.bias, facts.world_per_window);
-            let shares = theory::acne(field, case.map.size, &biases);
-            biases.iter().zip(shares).map(|(b, share)| (b.to_bits(), share.to_bits())).collect()
-        } else {
-            Vec::new()
         };
         let swept: Vec<Vec<Swept>> = plan.filters.par_iter().map(one).collect();
         let stored = Stored {
             world_per_window: facts.world_per_window.to_bits(),
             texel_world: facts.texel_world.to_bits(),
-            theory,
+            theory: facts.theory.iter().map(|(b, share)| (b.to_bits(), share.to_bits())).collect(),
             swept: swept.iter().flatten().map(StoredSwept::of).collect(),
         };
         serde_json::to_vec(&stored).expect("integers and names are JSON")
@@ -114,7 +106,7 @@ pub fn assemble(plan: &Plan, results: &BTreeMap<u32, &[u8]>) -> Result<Vec<CaseS
         sweep.world_per_window = f64::from_bits(stored.world_per_window);
         sweep.texel_world = f64::from_bits(stored.texel_world);
         let theory = stored.theory.iter();
-        sweep.theory.extend(theory.map(|&(b, share)| (f32::from_bits(b), f64::from_bits(share))));
+        sweep.theory = theory.map(|&(b, s)| (f32::from_bits(b), f64::from_bits(s))).collect();
         sweep.swept.extend(swept);
     }
     Ok(sweeps)
@@ -125,7 +117,6 @@ pub fn assemble(plan: &Plan, results: &BTreeMap<u32, &[u8]>) -> Result<Vec<CaseS
 struct Stored {
     world_per_window: u64,
     texel_world: u64,
-    /// Bias and share, with the first item of a case.
     theory: Vec<(u32, u64)>,
     swept: Vec<StoredSwept>,
 }
