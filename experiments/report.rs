@@ -1,12 +1,12 @@
 //! How much acne and peter-panning do the documents' systems have, and why?
 
-use clap::{Args, Parser, Subcommand};
-use gnomon::analysis::documents::{self, Options, Which};
+use clap::{Parser, Subcommand};
+use gnomon::analysis::documents::{self, Ask};
 use gnomon::analysis::explain::explain;
 use gnomon::analysis::observe::Observer;
 use gnomon::device::DeviceProfile;
 use gnomon::harness::{self, Common, Progress};
-use gnomon::scene::fit::UserScene;
+use gnomon::scene::cases;
 use gnomon::{Error, Result};
 use std::process::ExitCode;
 
@@ -20,6 +20,8 @@ use std::process::ExitCode;
   gnomon-report --quick --out quick/             every 4th pixel
   gnomon-report --case upc --json -              one case, numbers on stdout
   gnomon-report --scene model.glb --light-dir 1,-2,0.5 --map 1024 --bias 0.001
+  gnomon-report --case terrain-100000            a standard scene: fence, foliage, room, teapot, ...
+  gnomon-report --scene model.glb --map-file shadow.png --packing unorm16 --light-matrix 1,0,...
   gnomon-report --device ideal                   the same systems on correctly rounded hardware
   gnomon-report explain --case upc --pixel 200,150
 Exit codes: 0 done, 2 bad input, 4 cannot write, 130 interrupted."
@@ -28,21 +30,9 @@ struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    what: What,
+    what: Ask,
     #[command(flatten)]
     common: Common,
-}
-
-#[derive(Debug, Args)]
-struct What {
-    /// Only this case
-    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
-    case: Option<String>,
-    #[command(flatten)]
-    scene: UserScene,
-    /// Measure on this device profile instead of each case's own
-    #[arg(long, value_name = "PROFILE")]
-    device: Option<DeviceProfile>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -71,23 +61,14 @@ fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     harness::run(|| match arguments.command {
-        Some(Command::Explain { case, pixel, device }) => print_chain(case, pixel, device),
-        None => measure(&arguments.common, arguments.what),
+        Some(Command::Explain { case, pixel, device }) => print_chain(&case, pixel, device),
+        None => measure(&arguments.common, &arguments.what),
     })
 }
 
-fn measure(common: &Common, what: What) -> Result<()> {
+fn measure(common: &Common, what: &Ask) -> Result<()> {
     common.start()?;
-    let options = Options {
-        profile: common.profile(),
-        seed: common.seed,
-        which: match (what.scene.case()?, what.case) {
-            (Some(own), _) => Which::Own(Box::new(own)),
-            (None, Some(name)) => Which::Named(name),
-            (None, None) => Which::All,
-        },
-        device: what.device,
-    };
+    let options = what.options(common.profile(), common.seed)?;
     let progress = Progress::new(options.cases()?.len(), "measuring");
     let report = documents::report(&options, || progress.step())?;
     progress.finish();
@@ -95,10 +76,9 @@ fn measure(common: &Common, what: What) -> Result<()> {
     Ok(())
 }
 
-fn print_chain(case: String, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {
-    let options =
-        Options { profile: Default::default(), seed: 0, which: Which::Named(case), device };
-    let case = options.cases()?.remove(0);
+fn print_chain(case: &str, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {
+    let mut case = cases::named(case)?;
+    case.device = device.unwrap_or(case.device);
     let [width, height] = case.canvas;
     if x >= width || y >= height {
         return Err(Error::bad_input(

@@ -3,6 +3,7 @@
 use clap::Parser;
 use gnomon::Result;
 use gnomon::harness::{self, Common, Progress};
+use gnomon::output::Lock;
 use gnomon::stress::{self, document};
 use std::process::ExitCode;
 
@@ -17,7 +18,7 @@ use std::process::ExitCode;
   gnomon-stress --quick --out quick/   an eighth of the samples
   gnomon-stress --quick --json -       the numbers on stdout
 Exit codes: 0 done, 1 this machine's floating-point mode is not the default, 2 bad input,
-  4 cannot write, 130 interrupted."
+  4 cannot write, 130 or 143 interrupted."
 )]
 struct Arguments {
     #[command(flatten)]
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
 
 fn stress_all(common: &Common) -> Result<()> {
     common.start()?;
+    let _held = Lock::hold(&common.folder("stress"))?;
     let options = document::Options { profile: common.profile(), seed: common.seed };
     let progress = Progress::new(stress::count(), "stressing");
     let report = document::report(&options, || progress.step());

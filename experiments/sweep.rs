@@ -1,10 +1,12 @@
 //! Which bias strategy, at which amount, ends acne at the least cost, on which map and format?
 use clap::Parser;
-use gnomon::analysis::sweep::{self, Plan, Range, gate, plan};
-use gnomon::harness::{Common, Progress, print, run};
+use gnomon::analysis::sweep::{self, CaseSweep, Plan, Range, gate, plan, shard};
+use gnomon::harness::{Common, Division, Job, print, run};
+use gnomon::scene::fit::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
-use std::path::{Path, PathBuf};
+use serde_json::Value;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Sweeps bias strategies over cases, map sizes, formats and filters: exact counts of acne, lost shadow
@@ -15,12 +17,16 @@ use std::process::ExitCode;
 ///   gnomon-sweep --case book-r8-y7 --map 256,512 --format unorm16,f32 --bias 1e-7:1e-2:log:200
 ///   gnomon-sweep --case upc --strategy constant --bias 0.001 --fail-acne 0.1%
 ///   gnomon-sweep --case exam-pcf --baseline old/results.json
+///   gnomon-sweep --scene room.glb --light-dir 1,-2,0.5 --map 1024,2048 --format unorm16,f32
+///   gnomon-sweep --shard 3/8 --out parts    (and, once all 8 are there: gnomon-sweep --merge parts)
 #[derive(Parser)]
 #[command(name = "gnomon-sweep", version, verbatim_doc_comment)]
 struct Args {
     /// Cases: names, `documents` or `all`
-    #[arg(long, value_delimiter = ',', default_value = "documents")]
+    #[arg(long, value_delimiter = ',', default_value = "documents", conflicts_with = "scene")]
     case: Vec<String>,
+    #[command(flatten)]
+    scene: SceneFile,
     /// Map sizes in texels per side
     #[arg(long, value_delimiter = ',', default_value = "256,512,1024,2048")]
     map: Vec<u32>,
@@ -54,6 +60,8 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     #[arg(long, value_name = "PATH")]
     baseline: Option<PathBuf>,
     #[command(flatten)]
+    division: Division,
+    #[command(flatten)]
     common: Common,
 }
 fn main() -> ExitCode {
@@ -63,15 +71,14 @@ fn main() -> ExitCode {
 
 fn body(args: &Args) -> Result<()> {
     args.common.start()?;
-    let filter = |name: &String| match name.as_str() {
-        "own" => Ok(None),
-        name => name.parse().map(Some),
-    };
     let plan = Plan {
-        cases: plan::cases_named(&args.case)?,
+        cases: match args.scene.case()? {
+            Some(own) => vec![own],
+            None => plan::cases_named(&args.case)?,
+        },
         sizes: args.map.clone(),
         formats: args.format.iter().map(|f| plan::format_named(f)).collect::<Result<_>>()?,
-        filters: args.filter.iter().map(filter).collect::<Result<_>>()?,
+        filters: args.filter.iter().map(|f| plan::filter_named(f)).collect::<Result<_>>()?,
         strategies: args.strategy.clone(),
         bias: args.bias.parse::<Range>()?,
         step: if args.common.quick { 4 } else { 1 },
@@ -82,39 +89,30 @@ fn body(args: &Args) -> Result<()> {
         acne: args.fail_acne.as_deref().map(gate::share).transpose()?,
         peter_panning: args.fail_peter_panning,
     };
-    let baseline = args.baseline.as_deref().map(read_json).transpose()?;
-    let bar = Progress::new(plan.cases.len() * plan.sizes.len() * plan.filters.len(), "sweeping");
-    let sweeps = sweep::run(&plan, || bar.step());
-    bar.finish();
+    let baseline = args.baseline.as_deref().map(gate::baseline).transpose()?;
+    let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
+    let mut worker = shard::Worker::new(&plan);
+    let compute = |item| worker.compute(item);
+    let Some(done) = args.division.run(&args.common, &job, compute)? else { return Ok(()) };
+    let sweeps = shard::assemble(&plan, &done.results())?;
     let (profile, seed) = (args.common.profile(), args.common.seed);
-    let command = format!("gnomon-sweep --{profile}");
-    let report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    let command = Common::command("gnomon-sweep");
+    let mut report = sweep::report::report(&plan, &sweeps, profile, seed, command);
+    report.warnings.extend(done.warnings());
     args.common.finish(&report)?;
+    done.close()?;
     judge(&sweeps, &limits, baseline.as_ref())
 }
 
-fn judge(
-    sweeps: &[sweep::CaseSweep],
-    limits: &gate::Limits,
-    baseline: Option<&serde_json::Value>,
-) -> Result<()> {
+fn judge(sweeps: &[CaseSweep], limits: &gate::Limits, baseline: Option<&Value>) -> Result<()> {
     let mut failed = gate::failures(sweeps, limits);
     if let Some(baseline) = baseline {
-        let comparison = gate::compare(baseline, sweeps)?;
-        let (better, same) = (comparison.better, comparison.same);
-        let worse = comparison.worse.len();
-        let unmatched = comparison.unmatched;
+        let gate::Comparison { worse, better, same, unmatched } = gate::compare(baseline, sweeps)?;
         print(&format!(
-            "against the baseline: {worse} worse, {better} better, {same} same, {unmatched} in one run only\n"
+            "against the baseline: {} worse, {better} better, {same} same, {unmatched} in one run only\n",
+            worse.len()
         ))?;
-        failed.extend(comparison.worse);
+        failed.extend(worse);
     }
     if failed.is_empty() { Ok(()) } else { Err(Error::CheckFailed(failed.join("; "))) }
-}
-
-fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
-    let fix = "give the results.json of a sweep";
-    serde_json::from_str(&text)
-        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
 }

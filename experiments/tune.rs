@@ -5,8 +5,11 @@ use gnomon::analysis::sweep::chart::{map_spec, usable_filter};
 use gnomon::analysis::sweep::{gate, plan};
 use gnomon::analysis::tune::{self, Request};
 use gnomon::engines::Engine;
-use gnomon::harness::{Common, run};
+use gnomon::harness::{Common, print, print_table, run};
+use gnomon::report::Block;
+use gnomon::scene::fit::SceneFile;
 use gnomon::scene::{Filter, cases};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Finds the smallest bias that ends acne on a scene and prints it as the line to paste into an engine,
@@ -15,12 +18,15 @@ use std::process::ExitCode;
 /// Examples:
 ///   gnomon-tune --case fundamentals-spot --engine threejs
 ///   gnomon-tune --case upc --engine vulkan --map 1024 --format unorm24 --filter pcf3x3 --max-acne 0.1%
+///   gnomon-tune --scene room.glb --light-dir 1,-2,0.5 --engine bevy
 #[derive(Parser)]
 #[command(name = "gnomon-tune", version, verbatim_doc_comment)]
 struct Args {
-    /// The scene
-    #[arg(long, default_value = "fundamentals-spot")]
+    /// A named case
+    #[arg(long, default_value = "fundamentals-spot", conflicts_with = "scene")]
     case: String,
+    #[command(flatten)]
+    scene: SceneFile,
     /// The engine or API
     #[arg(long, default_value = "threejs")]
     engine: Engine,
@@ -47,12 +53,27 @@ fn main() -> ExitCode {
 
 fn body(args: &Args) -> Result<()> {
     args.common.start()?;
-    let mut case = cases::named(&args.case)?;
+    let mut case = match args.scene.case()? {
+        Some(own) => own,
+        None => cases::named(&args.case)?,
+    };
     let format = args.format.as_deref().map_or(Ok(case.map.texel), plan::format_named)?;
     case.map = map_spec(&case.map, args.map.unwrap_or(case.map.size), format);
     case.lookup.filter = usable_filter(args.filter.unwrap_or(case.lookup.filter), format);
     let (engine, profile, seed) = (args.engine, args.common.profile(), args.common.seed);
     let max_acne = gate::share(&args.max_acne)?;
-    let report = tune::report(&Request { case, engine, max_acne, profile, seed });
-    args.common.finish(&report).map(|_| ())
+    let command = Common::command("gnomon-tune");
+    let report = tune::report(&Request { case, engine, max_acne, profile, seed, command });
+    args.common.finish(&report)?;
+    if args.common.json.as_deref() == Some(Path::new("-")) {
+        return Ok(());
+    }
+    for block in report.blocks() {
+        match block {
+            Block::Code { text, .. } => print(&format!("{text}\n"))?,
+            Block::Table(table) if table.id == "units" => print_table(table)?,
+            _ => {}
+        }
+    }
+    Ok(())
 }

@@ -55,7 +55,8 @@ impl Error {
         reason: impl Into<String>,
         fix: impl Into<String>,
     ) -> Self {
-        Self::BadInput { place: place.into(), reason: reason.into(), fix: fix.into() }
+        let [place, reason, fix] = [place.into(), reason.into(), fix.into()].map(printable);
+        Self::BadInput { place, reason, fix }
     }
 
     /// A path that cannot be read.
@@ -79,5 +80,13 @@ impl Error {
             Self::Write { .. } => 4,
             Self::ResumeRefused(_) => 5,
         }
+    }
+}
+
+/// Text that quotes an input, on one line and without control codes for the terminal.
+fn printable(text: String) -> String {
+    match text.contains(char::is_control) {
+        true => text.replace(char::is_control, "\u{fffd}"),
+        false => text,
     }
 }

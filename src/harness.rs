@@ -1,17 +1,20 @@
 //! What every binary shares: arguments, threads, progress, interruption, stdout and exit codes.
 
-use std::fs;
+mod division;
+mod signals;
+
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+
+pub use division::{Division, Done, Job, Shard};
+pub use signals::interrupted;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::num;
-use crate::output;
-use crate::report::{Profile, Report, Table, Written};
+use crate::output::journal;
+use crate::report::{Profile, Report, Table, Written, write_index};
 use crate::{Error, Result};
 
 /// Arguments that every experiment takes; flatten them into the binary's own.
@@ -35,6 +38,9 @@ pub struct Common {
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Check the files of this folder against its manifest, and do nothing else
+    #[arg(long, value_name = "DIR")]
+    pub verify: Option<PathBuf>,
 }
 
 impl Common {
@@ -50,13 +56,39 @@ impl Common {
         self.out.clone().unwrap_or_else(|| Path::new("reports").join(name))
     }
 
+    /// The command that makes the same report again: the program's arguments but for those that only
+    /// say where to write, with how many threads and from which parts.
+    #[must_use]
+    pub fn command(name: &str) -> String {
+        const ELSEWHERE: [&str; 4] = ["--out", "--json", "--threads", "--merge"];
+        let mut arguments = std::env::args().skip(1).peekable();
+        let mut kept = vec![name.to_string()];
+        while let Some(argument) = arguments.next() {
+            match ELSEWHERE.iter().find_map(|flag| argument.strip_prefix(flag)) {
+                Some("") => {
+                    drop(arguments.next());
+                    let several = argument == "--merge";
+                    while several && arguments.next_if(|value| !value.starts_with('-')).is_some() {}
+                }
+                Some(value) if value.starts_with('=') => {}
+                _ if argument == "--resume" => {}
+                _ => kept.push(argument),
+            }
+        }
+        kept.join(" ")
+    }
+
     /// Sets up the worker threads and checks the floating-point mode of each; call once, before any
-    /// parallel work.
+    /// parallel work. With `--verify` it checks that folder and ends the program.
     ///
     /// # Errors
     /// [`Error::BadInput`] where the system does not give so many threads, [`Error::CheckFailed`]
-    /// where a thread does not compute in the default mode.
+    /// where a thread does not compute in the default mode or a verified file has changed.
     pub fn start(&self) -> Result<()> {
+        if let Some(folder) = &self.verify {
+            division::verify(folder)?;
+            std::process::exit(0);
+        }
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
             let fewer = |e: rayon::ThreadPoolBuildError| {
@@ -68,12 +100,16 @@ impl Common {
         rayon::broadcast(|_| num::check_float_mode()).into_iter().collect()
     }
 
-    /// Writes the report (and `--json`), prints its summary table and where the page is.
+    /// Writes the report (and `--json`), prints its summary table and where the page is. The index
+    /// over all reports follows where the report's folder is the usual one.
     ///
     /// # Errors
     /// As [`Report::write`], and [`Error::Write`] for `--json`.
     pub fn finish(&self, report: &Report) -> Result<Written> {
         let written = report.write(&self.folder(&report.name))?;
+        if self.out.is_none() {
+            write_index(Path::new("reports"))?;
+        }
         let to_stdout = self.json.as_deref() == Some(Path::new("-"));
         match &self.json {
             Some(_) if to_stdout => print(&json_text(&report.results))?,
@@ -106,13 +142,19 @@ fn json_text(value: &serde_json::Value) -> String {
 /// [`Error::Write`] where the path cannot be written.
 pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(parent).map_err(|e| Error::write(path, e))?;
-    let mut file = tempfile::NamedTempFile::new_in(parent).map_err(|e| Error::write(path, e))?;
-    file.write_all(json_text(value).as_bytes())
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|e| Error::write(path, e))?;
-    file.persist(path).map_err(|e| Error::write(path, e.error))?;
-    Ok(())
+    std::fs::create_dir_all(parent).map_err(|e| Error::write(path, e))?;
+    journal::put(path, json_text(value).as_bytes())
+}
+
+/// Reads a JSON file that one of the experiments wrote.
+///
+/// # Errors
+/// [`Error::Read`], or [`Error::BadInput`] where it is no JSON.
+pub fn read_json(path: &Path) -> Result<serde_json::Value> {
+    let text = std::fs::read(path).map_err(|e| Error::read(path, e))?;
+    let fix = "give a JSON file of an earlier run";
+    serde_json::from_slice(&text)
+        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
 }
 
 /// Prints to stdout. A reader that has gone away (`| head`) ends the program quietly.
@@ -136,41 +178,19 @@ pub fn print_table(table: &Table) -> Result<()> {
 }
 
 /// Runs a binary's body: prints an error once, as `error: …`, and turns it into its exit code.
-/// Ctrl-C ends the program with 130 between two states of the output, within two seconds.
+/// Ctrl-C ends the program with 130 and SIGTERM with 143, between two states of the output and within
+/// two seconds.
 #[must_use]
 pub fn run(body: impl FnOnce() -> Result<()>) -> ExitCode {
-    stop_on_interrupt();
+    signals::watch();
     match body() {
         Ok(()) => ExitCode::SUCCESS,
-        Err(_) if interrupted() => ExitCode::from(INTERRUPTED),
+        Err(_) if interrupted() => signals::exit_code(),
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(error.exit_code())
         }
     }
-}
-
-const INTERRUPTED: u8 = 130;
-static STOP: AtomicBool = AtomicBool::new(false);
-
-/// Whether the user asked to stop. Long loops may look and return early with what is done.
-#[must_use]
-pub fn interrupted() -> bool {
-    STOP.load(Ordering::Relaxed)
-}
-
-fn stop_on_interrupt() {
-    let set = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into());
-        }
-        eprintln!("interrupted: earlier files are untouched; run the same command again");
-        std::thread::sleep(Duration::from_millis(1500));
-        let _between_two_states = output::quiesce();
-        std::process::exit(INTERRUPTED.into());
-    });
-    // A second handler in one process (tests) changes nothing.
-    drop(set);
 }
 
 /// A progress bar on stderr; nothing at all where stderr is no terminal.

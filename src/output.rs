@@ -5,14 +5,16 @@
 //! any step restores the old state; a killed process is rolled back by the next one, which finds
 //! the journal. All temporary names end in `.tmp`.
 
+pub mod journal;
 mod layer;
 mod manifest;
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
-use std::io::{Read, Write};
+use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +71,7 @@ pub fn publish_with(
 ) -> Result<Vec<PathBuf>> {
     let _running = quiesce();
     layer.create_folder(folder).map_err(|e| Error::write(folder, e))?;
-    let _lock = Lock::acquire(folder)?;
+    let _lock = if Lock::is_held(folder) { None } else { Some(Lock::acquire(folder)?) };
     recover_with(layer, folder)?;
     let plan = Plan::new(folder, files);
     plan.clear(layer, folder);
@@ -256,10 +258,27 @@ fn is_relative(name: &str) -> bool {
             .all(|part| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':']))
 }
 
+/// Folders that this process holds for the length of a run.
+static HELD: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn held() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    HELD.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Exclusive use of an output folder until dropped; a killed process frees it.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,
+    /// The folder, where this process may publish in it under this lock.
+    holds: Option<PathBuf>,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        if let Some(folder) = &self.holds {
+            held().remove(folder);
+        }
+    }
 }
 
 impl Lock {
@@ -269,7 +288,37 @@ impl Lock {
     /// [`Error::BadInput`] with the holder's process id when another process has it,
     /// [`Error::Write`] when the lock file cannot be made.
     pub fn acquire(folder: &Path) -> Result<Self> {
-        let path = folder.join(LOCK);
+        Self::at(folder, LOCK)
+    }
+
+    /// Makes the folder and takes its lock for a whole run; [`publish`] then works under it.
+    ///
+    /// # Errors
+    /// As [`Self::acquire`].
+    pub fn hold(folder: &Path) -> Result<Self> {
+        fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+        let mut lock = Self::at(folder, LOCK)?;
+        let real = fs::canonicalize(folder).map_err(|e| Error::write(folder, e))?;
+        held().insert(real.clone());
+        lock.holds = Some(real);
+        Ok(lock)
+    }
+
+    /// Makes the folder and takes the lock of one file in it; other files may have other holders.
+    ///
+    /// # Errors
+    /// As [`Self::acquire`].
+    pub fn hold_for(folder: &Path, file: &str) -> Result<Self> {
+        fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+        Self::at(folder, &format!(".{file}.lock.tmp"))
+    }
+
+    fn is_held(folder: &Path) -> bool {
+        fs::canonicalize(folder).is_ok_and(|real| held().contains(&real))
+    }
+
+    fn at(folder: &Path, name: &str) -> Result<Self> {
+        let path = folder.join(name);
         let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
         let mut file = open.map_err(|e| Error::write(&path, e))?;
         match file.try_lock() {
@@ -280,13 +329,21 @@ impl Lock {
         file.set_len(0)
             .and_then(|()| write!(file, "{}", std::process::id()))
             .map_err(|e| Error::write(&path, e))?;
-        Ok(Self { _file: file })
+        Ok(Self { _file: file, holds: None })
     }
 }
 
+/// The refusal, with the holder's process id; it may be about to write it.
 fn locked(folder: &Path, file: &mut File) -> Error {
     let mut holder = String::new();
-    let known = file.read_to_string(&mut holder).is_ok() && !holder.is_empty();
+    for _ in 0..20 {
+        let read = file.rewind().and_then(|()| file.read_to_string(&mut holder));
+        if read.is_ok() && !holder.is_empty() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let known = !holder.is_empty();
     let holder = if known { format!("pid {holder}") } else { "another process".to_string() };
     Error::bad_input(
         folder.display().to_string(),

@@ -6,6 +6,8 @@
 //! ask for), so results are bit-identical and the baseline is the arbiter.
 #![allow(unsafe_code, reason = "calling a function compiled for a verified instruction set")]
 
+pub mod lanes;
+
 crate::catalogue! {
     /// An instruction set that kernels are compiled for.
     pub enum Level {

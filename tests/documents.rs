@@ -17,7 +17,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 fn options() -> Options {
-    Options { profile: Profile::Quick, seed: 1, which: Which::All, device: None }
+    Options { profile: Profile::Quick, ..Options::default() }
 }
 
 /// The quick results, measured once for all tests of this file.
@@ -108,7 +108,7 @@ fn the_curve_equals_the_literal_rule() {
         let measured = measure(&case, 8);
         let rule = case.lookup.compare;
         let mut biases: Vec<f32> = vec![0.0, case.bias, -1e-3, 0.5, 1e-7];
-        let some = measured.observations.iter().step_by(97).flat_map(|o| o.breakpoints.clone());
+        let some = measured.observations.iter().step_by(97).flat_map(|o| o.breakpoints.to_vec());
         biases.extend(some.flat_map(|b| [b.next_down(), b, b.next_up()]));
         for bias in biases {
             let (mut false_shadow, mut false_light) = (0, 0);

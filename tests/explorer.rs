@@ -1,13 +1,13 @@
 //! The page's explorers say what the analysis says, at the documents' biases and at any other.
 
-use gnomon::analysis::documents::{Options, Which, report};
+use gnomon::analysis::documents::{Options, report};
 use gnomon::analysis::measure::measure;
 use gnomon::report::explorer::Explorer;
 use gnomon::report::{Block, Profile, Report};
 use gnomon::scene::cases;
 
 fn documents() -> Report {
-    let options = Options { profile: Profile::Quick, seed: 1, which: Which::All, device: None };
+    let options = Options { profile: Profile::Quick, ..Options::default() };
     report(&options, || {}).unwrap()
 }
 

@@ -78,6 +78,26 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
     assert_eq!(text(&output.stderr), "");
 }
 
+/// R50: how a run is watched and where its numbers go changes no byte of the report.
+#[test]
+fn threads_and_json_change_no_published_byte() {
+    let out = tempfile::tempdir().unwrap();
+    let published = |name: &str, more: &[&str]| {
+        let folder = out.path().join(name);
+        let output = report(&QUICK).arg("--out").arg(&folder).args(more).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        std::fs::read_to_string(folder.join("manifest.json")).unwrap()
+    };
+    let plain = published("plain", &["--threads", "1"]);
+    assert_eq!(published("json", &["--json", "-", "--threads", "3"]), plain);
+    let verified = report(&["--verify"]).arg(out.path().join("json")).output().unwrap();
+    assert_eq!(verified.status.code(), Some(0), "{}", text(&verified.stderr));
+    assert!(text(&verified.stdout).contains("are as they were written"));
+    std::fs::write(out.path().join("json/results.json"), "{}").unwrap();
+    let verified = report(&["--verify"]).arg(out.path().join("json")).output().unwrap();
+    assert_eq!(verified.status.code(), Some(1), "{}", text(&verified.stderr));
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_exits_130_and_leaves_earlier_files() {

@@ -335,9 +335,8 @@ fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 fn threads_change_no_byte() {
     let options = Options {
         profile: Profile::Quick,
-        seed: 1,
         which: Which::Named("fundamentals-spot".to_string()),
-        device: None,
+        ..Options::default()
     };
     let files = || {
         let report = documents::report(&options, || ()).expect("a known case");

@@ -222,6 +222,29 @@ fn verification_finds_every_changed_file() {
     assert!(matches!(verify(folder.path()), Err(Error::Read { .. })));
 }
 
+/// R45: any bit of any file, the manifest's own too.
+#[test]
+fn a_thousand_flipped_bits_are_a_thousand_refusals() {
+    let folder = tempfile::tempdir().unwrap();
+    publish(folder.path(), &new_state()).unwrap();
+    let files: Vec<_> = content(folder.path()).into_iter().collect();
+    let mut seed = 45u64;
+    for flip in 0..1000 {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let (name, bytes) = &files[(seed >> 33) as usize % files.len()];
+        let bit = (seed >> 40) as usize % (bytes.len() * 8);
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        fs::write(folder.path().join(name), flipped).unwrap();
+        let error = verify(folder.path()).expect_err(name);
+        // A broken name in the manifest is a file that is not there.
+        let named = error.to_string().contains(name.as_str()) || name == "manifest.json";
+        assert!(named, "flip {flip}, bit {bit} of {name}: {error}");
+        fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    assert_eq!(verify(folder.path()).unwrap(), 3);
+}
+
 #[test]
 #[cfg(target_os = "linux")]
 fn an_unwritable_place_is_one_sentence_with_exit_code_4() {

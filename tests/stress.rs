@@ -56,30 +56,37 @@ fn the_transform_keeps_its_bound() {
     assert!(row.note.contains("never exceeds"), "{}", row.note);
 }
 
-/// The store's error is half a quantum, at every distance and in every format.
+/// The stored distance errs by the sum of its roundings, at every distance and in every format: never
+/// more, and not much less.
 #[test]
-#[ignore = "falls short: the forecast for unorm24 lacks the rounding of the f32 depth itself"]
-fn stored_distances_err_by_half_a_quantum() {
+fn stored_distances_err_by_their_roundings() {
+    let mut distances = 0;
     for row in &stresses()[0].rows {
         // Beyond that the format has no step left to speak of: its quantum is as large as the distance.
         let fine = |p: &(&(f64, f64), &(f64, f64))| p.1.1 < 0.02 * p.1.0;
         let pairs: Vec<_> = row.curve.iter().zip(&row.forecast.theory).filter(fine).collect();
         assert!(pairs.len() >= 3, "{}: {} distances", row.forecast.name, pairs.len());
-        for (measured, theory) in pairs {
+        for (measured, theory) in &pairs {
             let name = &row.forecast.name;
-            // A float's step doubles at a binade, which the looked-at phases may cross.
-            assert!(measured.1 <= 2.2 * theory.1 + 1e-9, "{name}: {measured:?} above {theory:?}");
+            // Distance is not linear in depth: an error of 2 % is up to 2 % larger on the far side.
+            assert!(measured.1 <= 1.025 * theory.1, "{name}: {measured:?} above {theory:?}");
+            assert!(measured.1 >= 0.3 * theory.1, "{name}: {measured:?} far below {theory:?}");
         }
+        distances += pairs.len();
     }
+    assert!(distances > 60, "only {distances} distances were looked at");
 }
 
+/// The committed report: small, and the same numbers and bytes again, with one thread too.
 #[test]
-#[ignore = "falls short: the report is larger than its own limit"]
 fn the_report_repeats_itself_and_stays_small() {
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let again = alone.install(|| run(&Effort { samples: 512, seed: 1 }, || ()));
+    assert!(again == stresses(), "another number of threads gives other numbers");
     let options = document::Options { profile: Profile::Quick, seed: 1 };
-    let files = document::report(&options, || ()).files();
+    assert_eq!(options.samples(), 512);
+    let files = document::render(&options, &again).files();
     let bytes: usize = files.iter().map(|f| f.bytes.len()).sum();
-    assert!(bytes < 1 << 20, "{bytes} bytes");
-    let again = document::report(&options, || ()).files();
-    assert!(files.iter().zip(&again).all(|(a, b)| a.bytes == b.bytes), "bytes differ");
+    assert!(bytes <= 600_000, "{bytes} bytes");
+    assert!(files == document::render(&options, stresses()).files(), "bytes differ");
 }

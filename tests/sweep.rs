@@ -37,7 +37,7 @@ fn curves_equal_the_literal_rule() {
             let chart = chart(&field, 256, format);
             let weights = chart.weights(format);
             for &strategy in Strategy::ALL.iter().filter(|s| s.family() == Family::Tap) {
-                let looks = chart.looks(format, &strategy.with(0.0), None);
+                let looks = chart.looks(format, &strategy.with(0.0));
                 let taps = Taps::new(strategy, &weights);
                 let rule = case.lookup.compare;
                 let curve = taps.curve(&looks, rule);
@@ -104,6 +104,54 @@ fn sweeps_equal_the_full_pipeline_of_every_document() {
     }
 }
 
+/// Leaving receivers out whose verdict cannot change changes no count, and the thresholds found on few
+/// receivers are thresholds of all.
+#[test]
+fn value_families_equal_the_literal_counts_of_every_receiver() {
+    let families = [
+        Strategy::SlopeRaster,
+        Strategy::RasterUnits,
+        Strategy::NormalOffset,
+        Strategy::NormalGodot,
+        Strategy::LightOffset,
+        Strategy::CasterUrp,
+        Strategy::CasterUnreal,
+        Strategy::DualLayer,
+    ];
+    for name in ["book-r8-y7", "fundamentals-spot", "exam-pcf", "t12-stairs"] {
+        let case = cases::named(name).unwrap();
+        let field = Field::new(&case, 16);
+        let rule = case.lookup.compare;
+        for format in ["unorm16", "book"].map(|f| plan::format_named(f).unwrap()) {
+            let chart = chart(&field, 256, format);
+            let weights = chart.weights(format);
+            let tally = |strategy: Strategy, amount: f32| {
+                let recipe = strategy.with(amount);
+                let looks = chart.looks(format, &recipe);
+                looks::literal(&looks, rule, |i| recipe.tap_bias(&weights[i]))
+            };
+            for strategy in families {
+                let bias: Range = "1e-5:1e-1:log:12".parse().unwrap();
+                let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, 10.0);
+                let question = Question { amounts: &amounts, max_acne: 0.0 };
+                let swept = sweep(&chart, format, strategy, &question);
+                for point in &swept.points {
+                    let literal = tally(strategy, point.amount);
+                    assert_eq!(point.tally, literal, "{name} {strategy} at {}", point.amount);
+                }
+                if let Some(point) = swept.acne_free {
+                    assert_eq!(point.tally, tally(strategy, point.amount), "{name} {strategy}");
+                    assert_eq!(point.tally.of(Kind::Acne), 0, "{name} {strategy}");
+                }
+                if let Some(amount) = swept.detachment {
+                    let panned = tally(strategy, amount).of(Kind::PeterPanning);
+                    assert!(panned > 0, "{name} {strategy}: nothing is lost at {amount}");
+                }
+            }
+        }
+    }
+}
+
 /// A larger constant bias never makes a receiver acne and never repairs a leak.
 #[test]
 fn errors_are_nested() {
@@ -111,7 +159,7 @@ fn errors_are_nested() {
     let case = cases::named("fundamentals-directional").unwrap();
     let field = Field::new(&case, 16);
     let chart = chart(&field, case.map.size, case.map.texel);
-    let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0), None);
+    let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0));
     let rule = case.lookup.compare;
     for _ in 0..10_000 {
         let mut pair = [0, 1].map(|_| libm::exp2(random(&mut seed) * 24.0 - 22.0) as f32);
@@ -126,38 +174,48 @@ fn errors_are_nested() {
     }
 }
 
+/// Every strategy ends the acne of a plane under every filter, but where its own definition says not:
+/// receiver-slope stops at its clamp of 0.01, Godot's offset only moves the look-up, receiver-plane at
+/// the tap leaves a filter's texels to its constant, which is bounded with it.
 #[test]
-#[ignore = "falls short: receiver-slope with pcf5x5 never ends acne on the plane"]
-fn every_strategy_ends_acne_on_a_plane_or_has_none() {
+fn every_strategy_ends_acne_on_a_plane_or_its_reach_says_why() {
     let case = cases::named("t1-tilted-plane").unwrap();
     let field = Field::new(&case, 16);
     for &filter in Filter::ALL.iter().filter(|&&f| f != Filter::Linear) {
         let chart = Chart::new(&field, 64, filter, Attachment::Depth);
+        // h·s·|g|₁ over the depth range: closed form of what the filter needs.
+        let need = filter.half_width() * 0.125 * 0.75 / 16.0;
         for &strategy in Strategy::ALL.iter().filter(|&&s| s != Strategy::None) {
-            let bias: Range = "1e-6:1e-1:log:25".parse().unwrap();
+            let bias: Range = "1e-6:1:log:25".parse().unwrap();
             let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, 16.0);
             let question = Question { amounts: &amounts, max_acne: 0.0 };
             let swept = sweep(&chart, case.map.texel, strategy, &question);
             let acne = swept.points[0].tally.of(Kind::Acne);
-            let layered = matches!(
+            let none_at_zero = matches!(
                 strategy,
                 Strategy::FrontCulling
                     | Strategy::SecondDepth
                     | Strategy::Midpoint
                     | Strategy::Oriented
+                    | Strategy::ReceiverPlane
+                    | Strategy::Adaptive
             );
-            assert!(
-                acne > 0
-                    || layered
-                    || matches!(strategy, Strategy::ReceiverPlane | Strategy::Adaptive),
-                "{strategy} {filter}: a plane has acne without bias"
-            );
-            let sideways = strategy == Strategy::NormalGodot;
-            let far = matches!(strategy, Strategy::ReceiverPlaneTap);
-            assert!(
-                swept.acne_free.is_some() || sideways || far || strategy == Strategy::Oriented,
-                "{strategy} {filter}: never ends acne"
-            );
+            assert!(acne > 0 || none_at_zero, "{strategy} {filter}: acne without bias");
+            match strategy {
+                Strategy::ReceiverSlope => {
+                    // Disks of points do not reach their half-width in every direction.
+                    let found = swept.acne_free.is_some();
+                    let disk = matches!(
+                        filter,
+                        Filter::Poisson16 | Filter::Vogel16 | Filter::Vogel5Bilinear
+                    );
+                    let predicted = need <= 0.01;
+                    let right = found == predicted || (disk && found);
+                    assert!(right, "{filter} needs {need}, the clamp is 0.01: {found}");
+                }
+                Strategy::NormalGodot | Strategy::Oriented => {}
+                _ => assert!(swept.acne_free.is_some(), "{strategy} {filter}: never ends acne"),
+            }
         }
     }
 }
@@ -210,38 +268,100 @@ fn gates_judge_the_amounts_that_were_asked_for() {
     assert!(gate::compare(&serde_json::json!({}), &sweeps).is_err());
 }
 
-/// How long 10,000 amounts take against one, and against the literal rule. Run by hand:
-/// `cargo test --release --test sweep -- --ignored --nocapture`.
+fn command(arguments: &[&str]) -> (i32, String, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_gnomon-sweep"))
+        .args(arguments)
+        .output()
+        .expect("it starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (output.status.code().unwrap_or(-1), text(output.stdout), text(output.stderr))
+}
+
+/// 0 pass, 1 fail, 2 bad input: one sentence, at once, nothing written.
 #[test]
-#[ignore = "a measurement"]
-fn ten_thousand_amounts_cost_as_much_as_one() {
-    let case = cases::named("fundamentals-spot").unwrap();
-    let field = Field::new(&case, 1);
-    let amounts = "1e-7:1e-1:log:10000".parse::<Range>().unwrap().values();
-    let time = |amounts: &[f32]| {
-        let start = std::time::Instant::now();
-        let chart = chart(&field, case.map.size, case.map.texel);
-        let question = Question { amounts, max_acne: 0.0 };
-        let swept = sweep(&chart, case.map.texel, Strategy::Constant, &question);
-        assert_eq!(swept.points.len(), amounts.len());
-        start.elapsed().as_secs_f64()
+fn continuous_integration_reads_the_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let out = path("out");
+    let base = ["--case", "t1-tilted-plane", "--map", "64", "--format", "f32", "--quick"];
+    let with = |more: &[&str]| {
+        let fixed = ["--strategy", "constant", "--out", &out];
+        command(&[&base[..], &fixed[..], more].concat())
     };
-    let best = |amounts: &[f32]| (0..5).map(|_| time(amounts)).fold(f64::INFINITY, f64::min);
-    let (one, many) = (best(&amounts[5000..5001]), best(&amounts));
-    let chart = chart(&field, case.map.size, case.map.texel);
-    let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0), None);
+    let (code, _, error) = with(&["--bias", "0.01", "--fail-acne", "0.1%"]);
+    assert_eq!(code, 0, "{error}");
+    let old = path("old.json");
+    std::fs::copy(folder.path().join("out/results.json"), &old).unwrap();
+    let (code, _, error) = with(&["--bias", "0.0001", "--fail-acne", "0.1%"]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("t1-tilted-plane 64 f32 nearest constant"), "{error}");
+    let (code, text, _) = with(&["--bias", "0.01", "--baseline", &old]);
+    assert!(code == 0 && text.contains("0 worse"), "{text}");
+    let mut better: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&old).unwrap()).unwrap();
+    better["combinations"]["t1-tilted-plane 64 f32 nearest constant"]["acne_free"] =
+        serde_json::json!(0.001);
+    std::fs::write(&old, better.to_string()).unwrap();
+    let (code, text, error) = with(&["--bias", "0.01", "--baseline", &old]);
+    assert!(code == 1 && text.contains("1 worse"), "{text}{error}");
+    let gaps = ["--case", "t4-wall", "--map", "1024", "--format", "f32", "--quick", "--strategy"];
+    let gaps = |limit: &str| {
+        let more = ["constant", "--bias", "0.05", "--fail-peter-panning", limit, "--out", &out];
+        command(&[&gaps[..], &more[..]].concat()).0
+    };
+    assert_eq!((gaps("1texel"), gaps("0.6")), (1, 0), "the gap is 0.48 world units");
+}
+
+#[test]
+fn bad_input_is_one_sentence_within_a_second() {
     let start = std::time::Instant::now();
-    let few = &amounts[..50];
-    for &a in few {
-        std::hint::black_box(looks::literal(&looks, case.lookup.compare, |_| a));
+    let bad: [&[&str]; 10] = [
+        &["--case", "no-such"],
+        &["--format", "unorm13"],
+        &["--filter", "pcf2x2"],
+        &["--map", "0"],
+        &["--bias", "1e-2:1e-7:log:5"],
+        &["--bias", "1e-7:1e-2:log:1000000"],
+        &["--max-acne", "120%"],
+        &["--fail-peter-panning", "2 parsecs"],
+        &["--scene", "no-such-file.glb"],
+        &["--baseline", "no-such-file.json"],
+    ];
+    for arguments in bad {
+        let (code, text, error) = command(arguments);
+        assert_eq!((code, text.as_str()), (2, ""), "{arguments:?}: {error}");
+        assert!(error.starts_with("error: "), "{arguments:?}: {error}");
+        let sentence = error.lines().next().unwrap_or_default();
+        assert!(sentence.len() > 20 && !error.contains("panicked"), "{arguments:?}: {error}");
     }
-    let literal = start.elapsed().as_secs_f64() / few.len() as f64;
-    println!(
-        "{} receivers: one amount {one:.4} s, 10,000 amounts {many:.4} s, ratio {:.2}; literal {:.5} s each, {:.0} times slower",
-        field.samples.len(),
-        many / one,
-        literal,
-        literal * 10_000.0 / many
-    );
-    assert!(many <= 1.5 * one, "{many} s against {one} s");
+    let each = start.elapsed().as_secs_f64() / bad.len() as f64;
+    assert!(each < 1.0, "{each} s each");
+}
+
+/// A scene file is swept and tuned as a named case is.
+#[test]
+fn scene_files_are_swept_and_tuned() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("room.obj");
+    let room = "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nv -1 1 -1\nv 1 1 -1\nv 0 1.5 1\n";
+    std::fs::write(&scene, format!("{room}f 1 3 2\nf 1 4 3\nf 5 7 6\n")).unwrap();
+    let out = folder.path().join("out");
+    let own =
+        ["--scene", &scene.display().to_string(), "--light-dir", "1,-2,0.5"].map(String::from);
+    let rest = ["--map", "128", "--format", "f32", "--quick", "--out", &out.display().to_string()]
+        .map(String::from);
+    for (program, more) in [
+        (env!("CARGO_BIN_EXE_gnomon-sweep"), ["--strategy", "constant"]),
+        (env!("CARGO_BIN_EXE_gnomon-tune"), ["--engine", "bevy"]),
+    ] {
+        let output = std::process::Command::new(program)
+            .args(own.iter().chain(&rest))
+            .args(more)
+            .output()
+            .expect("it starts");
+        let error = String::from_utf8_lossy(&output.stderr).to_string();
+        assert!(output.status.success(), "{error}");
+        let results = std::fs::read_to_string(out.join("results.json")).unwrap();
+        assert!(results.contains("room"), "{results}");
+    }
 }

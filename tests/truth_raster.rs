@@ -6,7 +6,7 @@ mod meshes;
 use glam::DVec3;
 use gnomon::scene::Geometry;
 use gnomon::simd::Level;
-use gnomon::truth::izb::{Options, truths, truths_with};
+use gnomon::truth::izb::{Options, Skips, truths, truths_with};
 use gnomon::truth::{Answer, LightEnd, Receiver, Tracer, Truth};
 use meshes::{Random, append, append_grid, cube, icosphere, on_triangle, scene, still_life};
 use proptest::prelude::*;
@@ -171,14 +171,52 @@ fn levels_and_threads_agree() {
     let receivers = receivers(&scene, 40_000, &mut random);
     let light = LightEnd::Point(DVec3::new(3.0, 9.0, 4.0));
     let expected = truths(&scene, &receivers, light);
+    let mut first = None;
     for &level in Level::ALL.iter().filter(|level| level.is_available()) {
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let run = || truths_with(&scene, &receivers, light, Options { level });
+            let options = Options { level, ..Options::default() };
+            let run = || truths_with(&scene, &receivers, light, options);
             let (answers, work) = pool.install(run);
             assert!(answers == expected, "{level}, {threads} threads");
             assert!(work.escalated < 40_000, "{work:?}");
+            assert_eq!(work, *first.get_or_insert(work), "{level}, {threads} threads");
         }
+    }
+}
+
+/// Every skip alone, and none of them, leave the answers as they are; each does skip something.
+#[test]
+fn skips_change_no_answer() {
+    let mut scene = still_life(3);
+    // A sheet under the floor, another beside all receivers.
+    append_grid(&mut scene, 16, |x, z| DVec3::new(4.0 * x, -2.0, 4.0 * z));
+    append_grid(&mut scene, 4, |x, z| DVec3::new(40.0 + x, 0.0, 40.0 + z));
+    let mut random = Random(9);
+    let seen = 0..still_life(3).triangles.len() as u32;
+    let mut receivers = receivers(&scene, 40_000, &mut random);
+    receivers.retain(|r| seen.contains(&r.triangle));
+    for light in [LightEnd::Point(DVec3::new(3.0, 9.0, 4.0)), LightEnd::Along(DVec3::Y * 200.0)] {
+        let run =
+            |skips| truths_with(&scene, &receivers, light, Options { skips, ..Options::default() });
+        let (expected, none) = run(Skips::NONE);
+        assert_eq!((none.empty, none.behind), (0, 0), "{none:?}");
+        let only = [
+            Skips { empty: true, ..Skips::NONE },
+            Skips { behind: true, ..Skips::NONE },
+            Skips { between: true, ..Skips::NONE },
+            Skips::ALL,
+        ];
+        for skips in only {
+            let (answers, work) = run(skips);
+            assert!(answers == expected, "{skips:?}");
+            let sum = work.outside + work.empty + work.behind + work.swept;
+            assert_eq!(sum, work.triangles, "{work:?}");
+            assert!(work.evaluated <= none.evaluated, "{skips:?}");
+        }
+        let (_, all) = run(Skips::ALL);
+        assert!(all.behind > 0 && all.empty > 0 && all.outside > 0, "{all:?}");
+        assert!(all.evaluated < none.evaluated, "{all:?} {none:?}");
     }
 }
 

@@ -1,32 +1,36 @@
 //! How fast is the truth: rays, raster, and the public tracers on the same scene?
 //!
-//! `cargo bench --bench truth [-- terrain|still-life|sheets]`. Times are medians over rounds in which
-//! all ways take turns; processor time on one thread, wall time on two. `GNOMON_DUMP=DIR` writes the
-//! scenes and rays for `embree.py`.
+//! `cargo bench --bench truth [-- terrain|still-life|sheets|fence|curve]`. Times are medians over
+//! rounds in which all ways take turns: processor time on one thread; of two threads that of the
+//! busier one, which is the wall time of a machine that does nothing else. `GNOMON_DUMP=DIR` writes
+//! the scenes and rays for `embree.py`; `GNOMON_CSV=FILE` keeps the curve.
 
 #[path = "../../tests/support/meshes.rs"]
 mod meshes;
+#[path = "scenes.rs"]
+mod scenes;
+#[path = "timing.rs"]
+mod timing;
 
-use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use gnomon::scene::Geometry;
 use gnomon::simd::Level;
-use gnomon::truth::izb::{Options, truths_with};
+use gnomon::truth::izb::{Options, Skips, truths_with};
 use gnomon::truth::{Faces, FirstHit, LightEnd, Receiver, Tracer, Truth};
-use meshes::{append, append_grid, icosphere};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::Ray;
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
+use timing::{Ways, busiest_ms, cpu_ms, threads};
 
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    for (name, scene, eye, sun) in [terrain(), still_life(), sheets()] {
+    for (name, scene, eye, sun) in [terrain(), still_life(), sheets(), fence()] {
         if args.iter().any(|a| !a.starts_with('-')) && !args.iter().any(|a| *a == name) {
             continue;
         }
@@ -65,6 +69,9 @@ fn main() {
             dump(Path::new(&folder), name, &scene, &rays);
         }
     }
+    if args.iter().all(|a| a.starts_with('-')) || args.iter().any(|a| a == "curve") {
+        curve();
+    }
 }
 
 /// One scene under one light.
@@ -79,9 +86,11 @@ struct Job<'a> {
 
 /// Compares the answers, then times every way in turn.
 fn one_light(kind: &str, job: &Job) {
-    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads");
-    let (one, two) = (pool(1), pool(2));
-    let raster = |level| truths_with(job.scene, job.receivers, job.light, Options { level });
+    let (one, two) = (threads(1), threads(2));
+    let raster = |level| {
+        let options = Options { level, skips: Skips::ALL };
+        truths_with(job.scene, job.receivers, job.light, options)
+    };
     let (answers, work) = one.install(|| raster(Level::best()));
     let arbiter = two.install(|| job.tracer.truths(job.receivers, job.light));
     let count = |want: fn(&Truth) -> bool| answers.iter().filter(|a| want(&a.truth)).count();
@@ -91,58 +100,62 @@ fn one_light(kind: &str, job: &Job) {
         count(|t| matches!(t, Truth::Shadowed(_))),
         job.peer.shadowed(job.segments),
         count(|t| *t == Truth::Ambiguous),
-        work.triangles,
+        work.swept,
         work.escalated,
         answers.iter().zip(&arbiter).filter(|(a, b)| a != b).count(),
     );
-    let ways: [(&str, &dyn Fn() -> f64); 7] = [
-        ("raster, one thread", &|| one.install(|| cpu_ms(|| raster(Level::best())))),
-        ("raster, one thread, avx2", &|| {
-            one.install(|| cpu_ms(|| raster(Level::best().min(Level::Avx2))))
-        }),
-        ("raster, one thread, baseline", &|| one.install(|| cpu_ms(|| raster(Level::Baseline)))),
-        ("obvhs cwbvh f32, trace only", &|| cpu_ms(|| job.peer.shadowed(job.segments))),
-        ("exact rays, one thread, trace", &|| {
-            one.install(|| cpu_ms(|| job.tracer.truths(job.receivers, job.light)))
-        }),
-        ("raster, one thread, wall", &|| one.install(|| wall_ms(|| raster(Level::best())))),
-        ("raster, two threads, wall", &|| two.install(|| wall_ms(|| raster(Level::best())))),
-    ];
-    let mut times = vec![Vec::new(); ways.len()];
+    let bare = Options { skips: Skips::NONE, ..Options::default() };
+    let mut ways = Ways::default();
     for _ in 0..ROUNDS {
-        for (times, (_, way)) in times.iter_mut().zip(&ways) {
-            times.push(way());
+        one.install(|| {
+            ways.add("raster, one thread", cpu_ms(|| raster(Level::best())));
+            let avx2 = Level::best().min(Level::Avx2);
+            ways.add("raster, one thread, avx2", cpu_ms(|| raster(avx2)));
+            ways.add("raster, one thread, baseline", cpu_ms(|| raster(Level::Baseline)));
+            let all = || truths_with(job.scene, job.receivers, job.light, bare);
+            ways.add("raster, one thread, no skips", cpu_ms(all));
+            ways.add("obvhs cwbvh f32, trace only", cpu_ms(|| job.peer.shadowed(job.segments)));
+            let rays = || job.tracer.truths(job.receivers, job.light);
+            ways.add("exact rays, one thread, trace", cpu_ms(rays));
+        });
+        ways.add("raster, two threads, busier", busiest_ms(&two, || drop(raster(Level::best()))));
+    }
+    ways.report(job.receivers.len(), "receivers");
+}
+
+const ROUNDS: usize = 5;
+
+/// From 10⁴ to 10⁷ triangles, as many receivers.
+fn curve() {
+    let one = threads(1);
+    let mut rows = vec!["triangles,receivers,ms,ns_per_triangle,ns_per_receiver".to_owned()];
+    println!("curve, one thread: triangles, receivers, ms, ns a triangle, ns a receiver");
+    for side in [71, 224, 707, 2236] {
+        let scene = scenes::grid(side);
+        let light = LightEnd::Point(scenes::SUN * 30.0);
+        for count in [scene.triangles.len(), 1_000_000] {
+            let receivers = spread(&scene, count);
+            let run = || truths_with(&scene, &receivers, light, Options::default());
+            let mut times: Vec<f64> = (0..3).map(|_| one.install(|| cpu_ms(run))).collect();
+            times.sort_by(f64::total_cmp);
+            let (ms, n) = (times[1], scene.triangles.len());
+            let (each, receiver) = (ms * 1e6 / n as f64, ms * 1e6 / count as f64);
+            println!("  {n:9} {count:9} {ms:8.1} {each:7.1} {receiver:7.1}");
+            rows.push(format!("{n},{count},{ms:.3},{each:.2},{receiver:.2}"));
         }
     }
-    for (times, (name, _)) in times.iter_mut().zip(&ways) {
-        report(name, job.receivers.len(), times);
-    }
+    timing::csv(&rows);
 }
 
-const ROUNDS: usize = 7;
-
-fn report(name: &str, receivers: usize, times: &mut [f64]) {
-    times.sort_by(f64::total_cmp);
-    let (best, median) = (times[0], times[times.len() / 2]);
-    let rate = receivers as f64 / median / 1e3;
-    println!("    {name:32} {median:8.1} ms (best {best:.1}), {rate:.2} M receivers a second");
-}
-
-fn wall_ms<R>(job: impl FnOnce() -> R) -> f64 {
-    let start = Instant::now();
-    black_box(job());
-    start.elapsed().as_secs_f64() * 1e3
-}
-
-/// Milliseconds of processor time of this thread.
-fn cpu_ms<R>(job: impl FnOnce() -> R) -> f64 {
-    let now = || {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-        text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(f64::NAN) / 1e6
+/// Receivers spread evenly over the triangles.
+fn spread(scene: &Geometry, count: usize) -> Vec<Receiver> {
+    let mut random = meshes::Random(1);
+    let triangle = |k: usize| (k * scene.triangles.len() / count) as u32;
+    let mut receiver = |triangle| Receiver {
+        position: meshes::on_triangle(scene, triangle, &mut random),
+        triangle,
     };
-    let start = now();
-    black_box(job());
-    now() - start
+    (0..count).map(triangle).map(&mut receiver).collect()
 }
 
 /// First hits of a 1920 x 1080 view, on the surface.
@@ -175,51 +188,21 @@ fn on_plane(scene: &Geometry, triangle: u32, p: DVec3) -> DVec3 {
 
 type Scene = (&'static str, Geometry, DVec3, DVec3);
 
-/// 640 * 640 bumpy squares and twelve spheres: 1,064,960 triangles.
 fn terrain() -> Scene {
-    let mut scene = Geometry::default();
-    let wave = |x: f64, z: f64| {
-        0.35 * libm::sin(3.1 * x) * libm::cos(2.7 * z)
-            + 0.06 * libm::sin(17.0 * x + 2.0 * z)
-            + 0.02 * libm::cos(61.0 * z - 23.0 * x)
-    };
-    append_grid(&mut scene, 640, |x, z| DVec3::new(8.0 * x, wave(8.0 * x, 8.0 * z), -8.0 * z));
-    for k in 0..12_u32 {
-        let (x, z) = (f64::from(k % 4) * 3.0 - 4.5, f64::from(k / 4) * 3.0 - 3.0);
-        let ball = icosphere(5, DVec3::new(x, wave(x, -z) + 0.8, z), 0.45);
-        append(&mut scene, &ball.positions, &ball.triangles);
-    }
-    ("terrain", in_f32(scene), DVec3::new(0.5, 4.0, 9.5), DVec3::new(0.35, 0.8, 0.3))
+    ("terrain", scenes::terrain(640), DVec3::new(0.5, 4.0, 9.5), scenes::SUN)
 }
 
 fn still_life() -> Scene {
-    (
-        "still-life",
-        in_f32(meshes::still_life(6)),
-        DVec3::new(0.5, 4.0, 7.5),
-        DVec3::new(0.35, 0.8, 0.3),
-    )
+    let scene = scenes::in_f32(meshes::still_life(6));
+    ("still-life", scene, DVec3::new(0.5, 4.0, 7.5), scenes::SUN)
 }
 
-/// Large triangles over each other.
 fn sheets() -> Scene {
-    let mut scene = Geometry::default();
-    append_grid(&mut scene, 1, |x, z| DVec3::new(9.0 * x, 0.0, -9.0 * z));
-    for k in 0..100 {
-        let at = DVec3::new(
-            0.13 * f64::from(k % 10) - 0.6,
-            1.0 + 0.02 * f64::from(k),
-            0.1 * f64::from(k / 10) - 0.5,
-        );
-        append_grid(&mut scene, 2, |x, z| at + DVec3::new(1.5 * x, 0.3 * x * z, -1.5 * z));
-    }
-    ("sheets", in_f32(scene), DVec3::new(0.5, 5.0, 7.5), DVec3::new(0.35, 0.8, 0.3))
+    ("sheets", scenes::sheets(), DVec3::new(0.5, 5.0, 7.5), scenes::SUN)
 }
 
-/// Coordinates that f32 holds, so that tracers in f32 get the same scene.
-fn in_f32(mut scene: Geometry) -> Geometry {
-    scene.positions.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
-    scene
+fn fence() -> Scene {
+    ("fence", scenes::fence(), DVec3::new(0.5, 4.0, 9.5), scenes::SUN)
 }
 
 /// The best Rust tracer: `obvhs`, f32, eight-wide compressed nodes, any hit.

@@ -47,10 +47,8 @@ fn critical(
     strategy: Strategy,
 ) -> Option<f64> {
     let chart = Chart::new(field, size, usable_filter(filter, format), Attachment::of(format));
-    let looks = chart.looks(format, &strategy.with(0.0), None);
     let weights = chart.weights(format);
-    let rule = field.case().lookup.compare;
-    let curve = Taps::new(strategy, &weights).curve(&looks, rule);
+    let curve = Taps::new(strategy, &weights).curve_on(&chart, format, strategy);
     curve.quiet_from(0, &[Kind::Acne]).map(f64::from)
 }
 
@@ -132,7 +130,7 @@ impl Budget {
 fn slope_need(field: &Field<'_>, size: u32) -> f64 {
     let chart = Chart::new(field, size, Filter::Nearest, Attachment::Depth);
     let format = TexelFormat::Depth(DepthFormat::F32);
-    let looks = chart.looks(format, &Strategy::Constant.with(0.0), None);
+    let looks = chart.looks(format, &Strategy::Constant.with(0.0));
     let rule = field.case().lookup.compare;
     let acne = |look: &super::sweep::looks::Looks| look.verdict(rule, 0.0).0 == Some(Kind::Acne);
     let needs = field.samples.iter().zip(&looks).filter(|(_, l)| acne(l)).map(|(s, _)| {

@@ -3,6 +3,7 @@
 use super::classify::StoredCaster;
 use super::observe::Observation;
 use crate::num::ordinal;
+use rayon::prelude::*;
 
 /// The breakpoints of all counted receivers, sorted.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +52,11 @@ impl Weighted {
             breakpoints: pairs.into_iter().map(|(b, _)| b).collect(),
             share: 0.0,
         }
+    }
+
+    /// Whether every look-up has one tap, so that its first and last breakpoint are the same.
+    fn is_of_single_taps(&self) -> bool {
+        self.reached.is_empty() && self.share == 1.0
     }
 
     /// Sum of the shares of all taps lit at `bias`, and of the others.
@@ -131,12 +137,24 @@ impl Curve {
     #[must_use]
     pub fn new(observations: &[Observation]) -> Self {
         let of = |lit: bool| observations.iter().filter(move |o| o.truly_lit() == Some(lit));
-        Self {
-            lit: Weighted::new(of(true)),
-            shadowed: Weighted::new(of(false)),
-            lit_last: sorted(of(true).map(|o| largest(&o.breakpoints))),
-            shadowed_first: sorted(of(false).map(|o| smallest(&o.breakpoints))),
-        }
+        let ends = |lit: bool, end: fn(&[f32]) -> f32, all: &Weighted| match all.is_of_single_taps()
+        {
+            true => all.breakpoints.clone(),
+            false => sorted(of(lit).map(|o| end(&o.breakpoints))),
+        };
+        let ((lit, lit_last), (shadowed, shadowed_first)) = rayon::join(
+            || {
+                let lit = Weighted::new(of(true));
+                let last = ends(true, largest, &lit);
+                (lit, last)
+            },
+            || {
+                let shadowed = Weighted::new(of(false));
+                let first = ends(false, smallest, &shadowed);
+                (shadowed, first)
+            },
+        );
+        Self { lit, shadowed, lit_last, shadowed_first }
     }
 
     /// Truly lit and truly shadowed receivers.
@@ -160,6 +178,6 @@ impl Curve {
 
 fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
     let mut list: Vec<f32> = values.collect();
-    list.sort_unstable_by_key(|&b| ordinal(b));
+    list.par_sort_unstable_by_key(|&b| ordinal(b));
     list
 }

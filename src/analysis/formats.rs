@@ -3,12 +3,14 @@
 use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
 use super::sweep::evaluate::Taps;
 use super::sweep::pictures::Gallery;
+use super::sweep::plots::thinned;
 use super::sweep::tally::{Curve, Kind};
 use super::sweep::{Field, Range};
 use crate::depth::{DepthFormat, Packing};
 use crate::report::number::significant;
 use crate::report::{
-    Axis, Block, Cell, Colour, Marker, Plot, Profile, Report, Scale, Section, Series, Style, Table,
+    Axis, Block, Cell, Colour, HeatMap, Marker, Plot, Profile, Report, Scale, Section, Series,
+    Style, Table,
 };
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::Strategy;
@@ -53,6 +55,8 @@ pub struct Measured {
     pub quantum_world: f64,
     /// Share of the truly lit in false shadow at each of [`biases`].
     pub curve: Vec<f64>,
+    /// Share of all counted receivers with a wrong verdict at each of [`biases`].
+    pub wrong: Vec<f64>,
 }
 
 /// The biases of the plots, window depth.
@@ -75,7 +79,7 @@ impl Measured {
         let case = field.case();
         let looks = match reversed {
             true => chart.looks_reversed(format),
-            false => chart.looks(format, &Strategy::Constant.with(0.0), None),
+            false => chart.looks(format, &Strategy::Constant.with(0.0)),
         };
         let weights = chart.weights(format);
         let curve = Taps::new(Strategy::Constant, &weights).curve(&looks, case.lookup.compare);
@@ -92,6 +96,7 @@ impl Measured {
             gap: critical.map(|b| curve.gaps_at(&[b])[0]),
             quantum_world: quantum_world(field, format, reversed),
             curve: shares(&curve, lit),
+            wrong: wrong_shares(&curve, field.samples.len()),
         }
     }
 
@@ -127,6 +132,11 @@ impl Measured {
 
 fn shares(curve: &Curve, lit: f64) -> Vec<f64> {
     curve.at(&biases()).iter().map(|t| t.false_shadow() as f64 / lit).collect()
+}
+
+fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<f64> {
+    let all = receivers.max(1) as f64;
+    curve.at(&biases()).iter().map(|t| (t.false_shadow() + t.false_light()) as f64 / all).collect()
 }
 
 /// One step of the format at the middle receiver. R8 and the book's packing keep 1/255: the book's
@@ -170,16 +180,33 @@ fn plot(case: &Case, formats: &[Measured]) -> Plot {
         name: m.name(),
         style: if m.reversed { Style::Theory } else { Style::Steps },
         colour: Colour::series(FORMATS.iter().position(|&f| f == m.format).unwrap_or(i)),
-        points: xs.iter().zip(&m.curve).map(|(&x, &y)| (f64::from(x), 100.0 * y)).collect(),
+        points: thinned(xs.iter().zip(&m.curve).map(|(&x, &y)| (f64::from(x), 100.0 * y))),
     };
     Plot {
         id: format!("{}-formats", case.name),
         title: format!("{}: false shadow under each format", case.name),
         caption: "Where lines coincide the slope of the surface decides and the format does not matter; dashed lines are reversed depth.".into(),
         x: Axis::log("constant bias [window depth]"),
-        y: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
+        y: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
         series: formats.iter().enumerate().map(line).collect(),
         markers: vec![Marker { x: f64::from(case.bias), label: "its own bias".into(), colour: Colour::Ink }],
+    }
+}
+
+/// The critical bias of every case under every plain format.
+fn overview_map(cases: &[Case], criticals: &[Option<f64>]) -> HeatMap {
+    HeatMap {
+        id: "critical-bias".into(),
+        title: "Smallest constant bias that ends acne".into(),
+        caption: "Window depth. Empty where no constant bias ends acne; equal along a line where the slope of the surfaces decides and not the format.".into(),
+        row_name: "case".into(),
+        column_name: "format".into(),
+        rows: cases.iter().map(|c| c.name.clone()).collect(),
+        columns: FORMATS.iter().map(|f| f.name().to_string()).collect(),
+        values: criticals.to_vec(),
+        scale: Scale::Log,
+        unit: String::new(),
+        digits: 2,
     }
 }
 
@@ -197,12 +224,9 @@ fn row(case: &Case, m: &Measured, texel: f64) -> Vec<Cell> {
     ]
 }
 
-/// The report over cases; EXR layers of every format where at most two cases are asked for, else of the
-/// first case.
-#[must_use]
-pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Sync) -> Report {
-    let step = if profile == Profile::Quick { 4 } else { 1 };
-    let mut table = Table::new("formats", "Each format at the case's own map size and filter.")
+/// The table of every format, without rows.
+fn columns() -> Table {
+    Table::new("formats", "Each format at the case's own map size and filter.")
         .column("case", "", "")
         .column("format", "", "")
         .column("critical bias", "window depth", "smallest constant bias that ends acne")
@@ -211,7 +235,15 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         .column("false light", "", "share of the truly shadowed at the document's bias")
         .column("contact gap", "world", "longest peter-panned way at the critical bias")
         .column("contact gap", "texels", "the same in texels")
-        .column("one step", "world", "of the format at the middle receiver");
+        .column("one step", "world", "of the format at the middle receiver")
+}
+
+/// The report over cases; EXR layers of every format where at most two cases are asked for, else of the
+/// first case.
+#[must_use]
+pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Sync) -> Report {
+    let step = if profile == Profile::Quick { 4 } else { 1 };
+    let mut table = columns();
     let one = |(i, case): (usize, &Case)| {
         let field = Field::new(case, step);
         let formats = measure(&field);
@@ -238,10 +270,12 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
     let mut results: Vec<Value> = Vec::new();
     let mut sections = Vec::new();
     let mut alike = 0;
+    let mut criticals: Vec<Option<f64>> = Vec::new();
     for (case, (formats, section, texel)) in cases.iter().zip(measured) {
         let of = |f: TexelFormat| {
             formats.iter().find(|m| m.format == f && !m.reversed).and_then(|m| m.critical)
         };
+        criticals.extend(FORMATS.iter().map(|&f| of(f).map(f64::from)));
         let (fine, finest) = (of(FORMATS[3]), of(FORMATS[6]));
         alike += usize::from(matches!((fine, finest), (Some(a), Some(b)) if a <= 1.1 * b));
         for m in &formats {
@@ -254,9 +288,16 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         }
         sections.push(section);
     }
-    let mut overview = Section::new("overview", "All formats", "");
-    overview.push(table.clone());
+    let mut overview = Section::new(
+        "overview",
+        "Which bias each format needs",
+        "One line a case, at its own map size and filter; its part below has a sentence on every format.",
+    );
+    overview.push(overview_map(cases, &criticals));
     sections.insert(0, overview);
+    let mut all = Section::new("numbers", "Every format in numbers", "");
+    all.push(table.clone());
+    sections.push(all.folded());
     Report {
         name: "formats".into(),
         title: "8-bit versus 16-bit versus 24-bit versus float depth".into(),

@@ -1,6 +1,8 @@
 //! Interior receivers: those whose neighbourhood in the map sees one object first, so that edges play
 //! no part.
 
+use super::effort::Count;
+use super::foremost::{Foremost, Seen};
 use super::observe::{Observation, Observer, Standing};
 use crate::truth::{Faces, FirstHit};
 use glam::DVec2;
@@ -9,38 +11,88 @@ use rayon::prelude::*;
 /// Distance of the eight neighbours from the receiver in map texels.
 const REACH: f64 = 1.5;
 
+/// The receiver's own map point and those around it, in units of [`REACH`].
+const POINTS: [[f64; 2]; 9] = [
+    [0.0, 0.0],
+    [-1.0, -1.0],
+    [1.0, 1.0],
+    [-1.0, 1.0],
+    [1.0, -1.0],
+    [0.0, -1.0],
+    [0.0, 1.0],
+    [-1.0, 0.0],
+    [1.0, 0.0],
+];
+
 /// For each observation: whether nine light rays (its own and eight around it at 1.5 map texels) hit
 /// the same object first. Receivers outside the map or of undecided truth are never interior;
 /// receivers facing away from the light may be.
 #[must_use]
 pub fn interior(observer: &Observer<'_>, observations: &[Observation]) -> Vec<bool> {
-    observations.par_iter().map(|o| is_interior(observer, o)).collect()
+    counted(observer, observations).0
 }
 
-fn is_interior(observer: &Observer<'_>, o: &Observation) -> bool {
-    if !matches!(o.standing, Standing::Counted | Standing::FacingAway) || !in_map(o) {
-        return false;
-    }
-    let texel = 1.0 / f64::from(observer.case().map.size);
-    let object = |dx: f64, dy: f64| {
-        let uv = o.exact.truncate() + DVec2::new(dx, dy) * REACH * texel;
-        match observer.first_along(uv, Faces::Both) {
-            FirstHit::Hit { triangle, .. } => Some(observer.geometry.object[triangle as usize]),
-            FirstHit::None | FirstHit::Ambiguous => None,
-        }
+/// As [`interior`], with the number of map points asked for and of rays traced.
+#[must_use]
+pub fn counted(observer: &Observer<'_>, observations: &[Observation]) -> (Vec<bool>, Count) {
+    let foremost = observer.effort.skip.then(|| Foremost::new(observer, Faces::Both));
+    let chunk = foremost.as_ref().map_or(1 << 12, Foremost::chunk);
+    let one = |list: &[Observation]| asked(observer, foremost.as_ref(), list);
+    let found: Vec<_> = observations.par_chunks(chunk).map(one).collect();
+    let count = found.iter().fold([0; 2], |[a, e], (_, [b, f])| [a + b, e + f]);
+    let count = Count {
+        what: "map points around receivers",
+        answered: count[0],
+        evaluated: count[1],
+        because: "f64 planes say with certainty what the light sees there first",
     };
-    let Some(centre) = object(0.0, 0.0) else { return false };
-    const AROUND: [[f64; 2]; 8] = [
-        [-1.0, -1.0],
-        [1.0, 1.0],
-        [-1.0, 1.0],
-        [1.0, -1.0],
-        [0.0, -1.0],
-        [0.0, 1.0],
-        [-1.0, 0.0],
-        [1.0, 0.0],
-    ];
-    AROUND.iter().all(|&[dx, dy]| object(dx, dy) == Some(centre))
+    (found.into_iter().flat_map(|(inside, _)| inside).collect(), count)
+}
+
+/// Asks point after point for the receivers of a chunk whose points agree so far.
+fn asked(
+    observer: &Observer<'_>,
+    foremost: Option<&Foremost>,
+    list: &[Observation],
+) -> (Vec<bool>, [u64; 2]) {
+    let texel = 1.0 / f64::from(observer.case().map.size);
+    let eligible = |o: &&Observation| {
+        matches!(o.standing, Standing::Counted | Standing::FacingAway) && in_map(o)
+    };
+    let points: Vec<DVec2> = list.iter().filter(eligible).map(|o| o.exact.truncate()).collect();
+    let sorted = foremost.map(|f| (f, f.sorted(&points, 1.01 * REACH)));
+    let mut objects: Vec<Option<u16>> = vec![None; points.len()];
+    let (mut answered, mut traced) = (0, 0);
+    for (k, [dx, dy]) in POINTS.into_iter().enumerate() {
+        let offset = DVec2::new(dx, dy) * REACH * texel;
+        let seen = sorted.as_ref().map(|(foremost, points)| foremost.beside(points, offset));
+        for (i, object) in objects.iter_mut().enumerate() {
+            if k > 0 && object.is_none() {
+                continue;
+            }
+            let seen = seen.as_ref().map_or(Seen::Open, |seen| seen[i]);
+            answered += 1;
+            traced += u64::from(seen == Seen::Open);
+            let here = object_of(observer, seen, points[i] + offset);
+            *object = if k == 0 || here == *object { here } else { None };
+        }
+    }
+    let mut objects = objects.into_iter();
+    let is_interior = |o: &Observation| eligible(&o) && objects.next().flatten().is_some();
+    (list.iter().map(is_interior).collect(), [answered, traced])
+}
+
+/// The object that the light sees first at a map point, by a ray where that is open.
+fn object_of(observer: &Observer<'_>, seen: Seen, uv: DVec2) -> Option<u16> {
+    let triangle = match seen {
+        Seen::Nothing => None,
+        Seen::First(triangle) => Some(triangle),
+        Seen::Open => match observer.first_along(uv, Faces::Both) {
+            FirstHit::Hit { triangle, .. } => Some(triangle),
+            FirstHit::None | FirstHit::Ambiguous => None,
+        },
+    };
+    triangle.map(|t| observer.geometry.object[t as usize])
 }
 
 fn in_map(o: &Observation) -> bool {

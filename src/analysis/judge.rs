@@ -10,8 +10,9 @@ use crate::truth::{Answer, Faces, FirstHit, Receiver, Truth};
 use glam::{DVec2, DVec3};
 
 impl Observer<'_> {
-    /// Fills in the stored depth and the verdict of every rung.
-    pub(super) fn climb(&self, o: &mut Observation) {
+    /// Fills in the stored depth and the verdict of every rung; `centre_depth` is the exact depth at
+    /// the centre of the texel under its exact coordinates.
+    pub(super) fn climb(&self, o: &mut Observation, centre_depth: f64) {
         let case = self.case();
         let device = &self.subject.device;
         let (rule, bias) = (case.lookup.compare, case.bias);
@@ -20,7 +21,6 @@ impl Observer<'_> {
         let exact_lit =
             |stored: f64| stored == f64::INFINITY || rule.is_lit_exact(z, stored, f64::from(bias));
         let bias_depth = self.occluder_depth(&o.receiver, &o.answer);
-        let centre_depth = self.centre_depth(o.exact);
         let [u, v, z32] = o.coord;
         let drawn_texel = self.unquantized.nearest(device, case.lookup.wrap, u, v) as usize;
         let drawn = self.unquantized.depth(device, drawn_texel);
@@ -68,10 +68,28 @@ impl Observer<'_> {
     }
 
     /// Exact depth at the centre of the texel under exact map coordinates; +∞ where it is empty.
-    fn centre_depth(&self, exact: DVec3) -> f64 {
+    pub(super) fn centre_depth(&self, exact: DVec3) -> f64 {
+        self.depth_at(self.texel_centre(exact))
+    }
+
+    /// Map coordinates of the centre of the texel under exact map coordinates.
+    pub(super) fn texel_centre(&self, exact: DVec3) -> DVec2 {
         let size = f64::from(self.case().map.size);
-        let centre = ((exact.truncate() * size).floor() + 0.5) / size;
-        self.first_drawn(centre).map_or(f64::INFINITY, |(_, p)| self.window_depth(p))
+        ((exact.truncate() * size).floor() + 0.5) / size
+    }
+
+    /// Exact depth of the first drawn caster at map coordinates; +∞ where there is none.
+    pub(super) fn depth_at(&self, uv: DVec2) -> f64 {
+        self.first_drawn(uv).map_or(f64::INFINITY, |(_, p)| self.window_depth(p))
+    }
+
+    /// The same where `triangle` is known to be the first.
+    pub(super) fn depth_of(&self, triangle: u32, uv: DVec2) -> f64 {
+        let [near, far] = self.light_ray(uv);
+        match self.tracer.hit_of(triangle, near, far) {
+            Some(t) => self.window_depth(near + (far - near) * t),
+            None => self.depth_at(uv),
+        }
     }
 
     /// The first drawn caster along the light's ray through map coordinates, and the point hit.
@@ -93,7 +111,7 @@ impl Observer<'_> {
     }
 
     /// Where the light's ray through map coordinates crosses the near and the far plane.
-    fn light_ray(&self, uv: DVec2) -> [DVec3; 2] {
+    pub(super) fn light_ray(&self, uv: DVec2) -> [DVec3; 2] {
         let ndc = uv * 2.0 - 1.0;
         [-1.0, 1.0].map(|z| self.world_from_clip.project_point3(ndc.extend(z)))
     }
@@ -140,11 +158,14 @@ impl Observer<'_> {
 
     /// The tap and texel that decided, and the verdict's name.
     pub(super) fn name(&self, o: &mut Observation) {
-        let own = |t: &u32| self.stored_caster(o, *t) == StoredCaster::Own;
-        o.own_surface = (0..o.taps.depths().len()).all(|i| o.taps.texels(i).iter().all(own));
         let truly_lit = o.answer.truth == Truth::Lit;
         o.texel = self.deciding_texel(o, truly_lit);
         o.caster = self.stored_caster(o, o.texel);
+        let own = |t: &u32| match *t == o.texel {
+            true => o.caster == StoredCaster::Own,
+            false => self.stored_caster(o, *t) == StoredCaster::Own,
+        };
+        o.own_surface = (0..o.taps.depths().len()).all(|i| o.taps.texels(i).iter().all(own));
         let Some(cause) = ladder::cause(&o.wrong) else { return };
         let fault = |artifact| Fault { artifact, cause };
         o.outcome = if truly_lit {

@@ -1,8 +1,10 @@
 //! Measuring a case: observe its receivers, then count, rate and name.
 
+use super::captured::Captured;
 use super::classify::Artifact;
 use super::curve::{Curve, Thresholds};
-use super::interior::interior;
+use super::effort::{Count, Effort};
+use super::interior;
 use super::ladder::Rung;
 use super::measurement::{
     Gap, InteriorTotal, Length, Measurement, Samples, ShadowInterior, Tally, Wrongs,
@@ -25,32 +27,64 @@ pub struct Measured<'a> {
     pub curve: Curve,
     /// The numbers.
     pub measurement: Measurement,
+    /// What the skips saved.
+    pub work: Vec<Count>,
 }
 
 /// Measures a case on its own device at every `step`-th pixel.
 #[must_use]
 pub fn measure(case: &Case, step: u32) -> Measured<'_> {
-    let observer = Observer::new(case, &case.device.device());
-    let observations = observer.observe_canvas(step);
-    let curve = Curve::new(&observations);
-    let measurement = summarize(&observer, &observations, &curve, step);
-    Measured { observer, observations, curve, measurement }
+    measure_by(case, step, Effort::default())
+}
+
+/// As [`measure`], by a given effort; the result is the same.
+#[must_use]
+pub fn measure_by(case: &Case, step: u32, effort: Effort) -> Measured<'_> {
+    of_observer(Observer::with(case, &case.device.device(), effort), step)
+}
+
+/// As [`measure_by`], every look-up reading a captured map.
+#[must_use]
+pub fn measure_captured<'a>(
+    case: &'a Case,
+    step: u32,
+    effort: Effort,
+    captured: &Captured,
+) -> Measured<'a> {
+    let mut observer = Observer::with(case, &case.device.device(), effort);
+    observer.subject.map = captured.map.clone();
+    of_observer(observer, step)
+}
+
+fn of_observer(observer: Observer<'_>, step: u32) -> Measured<'_> {
+    let (observations, mut work) = observer.observe_all(step);
+    let ((inside, count), curve) =
+        rayon::join(|| interior::counted(&observer, &observations), || Curve::new(&observations));
+    work.push(count);
+    let measurement = summarize(&observer, &observations, &curve, &inside, step);
+    Measured { observer, observations, curve, measurement, work }
 }
 
 fn summarize(
     observer: &Observer<'_>,
     observations: &[Observation],
     curve: &Curve,
+    inside: &[bool],
     step: u32,
 ) -> Measurement {
     let case = observer.case();
     let [lit, shadowed] = curve.populations();
-    let thresholds = Thresholds::of(observations);
-    let inside = interior(observer, observations);
-    let interior: Vec<&Observation> =
-        observations.iter().zip(inside).filter(|(_, inside)| *inside).map(|(o, _)| o).collect();
-    let shadow_interior = ShadowInterior::of(case, interior.iter().copied());
-    let interior = by_object(case, interior.into_iter());
+    let (lengths, (interior, shadow_interior)) = rayon::join(
+        || (peter_panning(observer, observations), stripe_period(observer, observations)),
+        || {
+            let inside = observations.iter().zip(inside).filter(|(_, inside)| **inside);
+            let interior: Vec<&Observation> = inside.map(|(o, _)| o).collect();
+            let shadow_interior = ShadowInterior::of(case, interior.iter().copied());
+            (by_object(case, interior.into_iter()), shadow_interior)
+        },
+    );
+    let (thresholds, by_object) =
+        rayon::join(|| Thresholds::of(observations), || by_object(case, observations.iter()));
     let mut measurement = Measurement {
         name: case.name.clone(),
         document: case.document.clone(),
@@ -73,10 +107,10 @@ fn summarize(
         interior_total: InteriorTotal::of(&interior),
         interior,
         shadow_interior,
-        by_object: by_object(case, observations.iter()),
+        by_object,
         lost_shadows: lost_shadows(observer, observations),
-        peter_panning: peter_panning(observer, observations),
-        stripe_period: stripe_period(observer, observations),
+        peter_panning: lengths.0,
+        stripe_period: lengths.1,
         misordered_texels: observer.misordered_texels(),
         assumptions: case.assumptions.clone(),
         facts: case.facts.clone(),
@@ -89,20 +123,24 @@ fn summarize(
 fn samples(case: &Case, observations: &[Observation], step: u32) -> Samples {
     let along = |size: u32| u64::from(size.div_ceil(step));
     let pixels = along(case.canvas[0]) * along(case.canvas[1]);
-    let of = |s: Standing| observations.iter().filter(|o| o.standing == s).count() as u64;
-    let dark = |o: &&Observation| o.standing == Standing::OutsideMap && o.visibility() < 1.0;
-    let counted = observations.iter().filter(|o| o.standing == Standing::Counted);
-    Samples {
-        pixels,
-        background: pixels - observations.len() as u64,
-        counted: of(Standing::Counted),
-        ambiguous: of(Standing::Ambiguous),
-        facing_away: of(Standing::FacingAway),
-        outside_cone: of(Standing::OutsideCone),
-        outside_map: of(Standing::OutsideMap),
-        outside_map_shadowed: observations.iter().filter(dark).count() as u64,
-        touching: counted.map(|o| u64::from(o.answer.touching)).sum(),
+    let mut samples =
+        Samples { pixels, background: pixels - observations.len() as u64, ..Samples::default() };
+    for o in observations {
+        match o.standing {
+            Standing::Counted => {
+                samples.counted += 1;
+                samples.touching += u64::from(o.answer.touching);
+            }
+            Standing::Ambiguous => samples.ambiguous += 1,
+            Standing::FacingAway => samples.facing_away += 1,
+            Standing::OutsideCone => samples.outside_cone += 1,
+            Standing::OutsideMap => {
+                samples.outside_map += 1;
+                samples.outside_map_shadowed += u64::from(o.visibility() < 1.0);
+            }
+        }
     }
+    samples
 }
 
 fn wrongs(observations: &[Observation], truly_lit: bool, population: u64) -> Wrongs {
@@ -123,8 +161,11 @@ fn wrongs(observations: &[Observation], truly_lit: bool, population: u64) -> Wro
 }
 
 fn wrong_on_rung(observations: &[Observation]) -> BTreeMap<&'static str, u64> {
-    let count = |i: usize| observations.iter().filter(|o| o.wrong[i]).count() as u64;
-    Rung::ALL.iter().enumerate().map(|(i, rung)| (rung.name(), count(i))).collect()
+    let mut counts = [0u64; 5];
+    for o in observations {
+        counts.iter_mut().zip(o.wrong).for_each(|(count, wrong)| *count += u64::from(wrong));
+    }
+    Rung::ALL.iter().map(|rung| rung.name()).zip(counts).collect()
 }
 
 fn exact_gap(observations: &[Observation]) -> Option<Gap> {
@@ -144,14 +185,13 @@ fn by_object<'o>(
     case: &Case,
     observations: impl Iterator<Item = &'o Observation>,
 ) -> BTreeMap<String, Tally> {
-    let mut tallies: BTreeMap<String, Tally> =
-        case.objects.iter().map(|o| (o.name.clone(), Tally::default())).collect();
-    for o in observations {
-        if let Some(tally) = tallies.get_mut(&case.objects[usize::from(o.object)].name) {
-            tally.add(o);
-        }
+    let mut tallies = vec![Tally::default(); case.objects.len()];
+    observations.for_each(|o| tallies[usize::from(o.object)].add(o));
+    let mut by_name: BTreeMap<String, Tally> = BTreeMap::new();
+    for (object, tally) in case.objects.iter().zip(&tallies) {
+        by_name.entry(object.name.clone()).or_default().merge(tally);
     }
-    tallies
+    by_name
 }
 
 /// Objects that truly shadow counted receivers, none of which the map leaves in the dark.

@@ -79,6 +79,17 @@ impl Tally {
     }
 }
 
+impl Tally {
+    /// Adds the counts of another object of the same name.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.lit += other.lit;
+        self.shadowed += other.shadowed;
+        self.false_shadow += other.false_shadow;
+        self.false_light += other.false_light;
+        self.false_shadow_without_bias += other.false_shadow_without_bias;
+    }
+}
+
 /// Acne away from every edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct InteriorTotal {

@@ -2,10 +2,13 @@
 
 pub mod adjacency;
 pub mod budget;
+pub mod captured;
 pub mod classify;
 pub mod curve;
 pub mod documents;
+pub mod effort;
 pub mod explain;
+pub mod foremost;
 pub mod formats;
 pub mod interior;
 mod judge;
@@ -14,6 +17,8 @@ pub mod measure;
 pub mod measurement;
 pub mod observation;
 pub mod observe;
+mod observe_all;
+pub mod pareto;
 pub mod roundtrip;
 pub mod sweep;
 pub mod tune;

@@ -2,7 +2,7 @@
 
 use super::classify::{Outcome, StoredCaster};
 use super::ladder::Wrong;
-use crate::shadow::Taps;
+use crate::shadow::{Few, Taps};
 use crate::truth::{Answer, Receiver, Truth};
 use glam::DVec3;
 
@@ -46,7 +46,7 @@ pub struct Observation {
     /// Their share of the visibility, in [0,1].
     pub lit_share: f64,
     /// Smallest bias that lights each tap.
-    pub breakpoints: Vec<f32>,
+    pub breakpoints: Few<f32>,
     /// Stored depth on each rung; +∞ where nothing is in front.
     pub stored: [f64; 5],
     /// Whether each rung is wrong.

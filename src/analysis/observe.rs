@@ -2,16 +2,17 @@
 
 use super::adjacency::Adjacency;
 use super::classify::{Outcome, StoredCaster};
+use super::effort::Effort;
 pub use super::observation::{Observation, Standing};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::raster::NO_TRIANGLE;
-use crate::raster::passes::{Subject, draw_map};
+use crate::raster::passes::{Subject, draw_map, map_depth_buffer};
+use crate::raster::{Setup, Varyings};
 use crate::scene::{Case, Cull, Geometry, LookupSpec};
 use crate::shadow::{self, ShadowMap, Taps};
 use crate::truth::{Answer, Faces, Receiver, Tracer, Truth};
-use glam::{DMat4, DVec2, DVec3};
-use rayon::prelude::*;
+use glam::{DMat4, DVec2, DVec3, Vec4};
 
 /// Share of a look-up's visibility that `lit` taps have: 1 where the range test lights all of them.
 fn lit_share(taps: &Taps, lit: usize, is_lit: impl Fn(f32) -> bool) -> f64 {
@@ -40,32 +41,99 @@ pub struct Observer<'a> {
     float_triangles: Vec<u32>,
     /// Which sides of casters the light sees in the map.
     pub(super) drawn_faces: Faces,
+    /// How answers are found.
+    pub effort: Effort,
+}
+
+/// The map under a float depth attachment, not quantized, and its triangles. Where the case's own
+/// attachment is one, its raster is the same.
+fn float_map(subject: &Subject<'_>, effort: Effort) -> (ShadowMap, Vec<u32>) {
+    let Subject { case, device, vertices, map_raster, .. } = subject;
+    let own = device.depth_format(map_depth_buffer(case)) == device.depth_format(DepthFormat::F32);
+    let drawn = (!(own && effort.skip)).then(|| draw_map(case, device, vertices, DepthFormat::F32));
+    let raster = drawn.as_ref().unwrap_or(map_raster);
+    let covered = |i: usize| raster.triangle[i] != NO_TRIANGLE;
+    let map = ShadowMap::unquantized(case.map.size, &raster.depth, f32::INFINITY, covered);
+    let triangles = drawn.map_or_else(|| map_raster.triangle.clone(), |raster| raster.triangle);
+    (map, triangles)
+}
+
+/// A pixel's receiver and its map coordinates in the subject.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub(super) pixel: [u32; 2],
+    pub(super) receiver: Receiver,
+    pub(super) coord: [f32; 3],
+}
+
+/// A triangle of the camera pass, set up for all its pixels.
+pub(super) struct Spot {
+    pub(super) triangle: u32,
+    setup: Setup,
+    varyings: Varyings,
+    light_coord: [Vec4; 3],
+    corners: [DVec3; 3],
+}
+
+impl Spot {
+    pub(super) fn new(observer: &Observer<'_>, triangle: u32) -> Self {
+        let subject = &observer.subject;
+        let setup = subject.camera_setup(triangle);
+        let vertices = subject.vertices.triangles[triangle as usize];
+        Self {
+            triangle,
+            varyings: setup.varyings(&subject.device),
+            setup,
+            light_coord: vertices.map(|v| subject.vertices.light_coord[v as usize]),
+            corners: observer.geometry.corners(triangle),
+        }
+    }
+
+    /// The receiver at a pixel centre, and its map coordinates in the subject.
+    pub(super) fn receiver(&self, observer: &Observer<'_>, x: u32, y: u32) -> (Receiver, [f32; 3]) {
+        let weights = self.setup.barycentrics(x, y);
+        let [a, b, c] = self.corners;
+        let position = a * weights.x + b * weights.y + c * weights.z;
+        let varying = self.varyings.vector(self.light_coord, x as f32, y as f32);
+        let coord = observer.case().lookup.coord.apply(varying);
+        (Receiver { position, triangle: self.triangle }, coord)
+    }
 }
 
 impl<'a> Observer<'a> {
     /// Draws the case on a device and prepares its truth.
     #[must_use]
     pub fn new(case: &'a Case, device: &Device) -> Self {
-        let subject = Subject::draw(case, device);
-        let geometry = case.geometry();
+        Self::with(case, device, Effort::default())
+    }
+
+    /// The same, by a given effort.
+    #[must_use]
+    pub fn with(case: &'a Case, device: &Device, effort: Effort) -> Self {
+        let (subject, (geometry, tracer, adjacency)) = rayon::join(
+            || Subject::draw(case, device),
+            || {
+                let geometry = case.geometry();
+                let (tracer, adjacency) =
+                    rayon::join(|| Tracer::new(&geometry), || Adjacency::new(&geometry));
+                (geometry, tracer, adjacency)
+            },
+        );
         let clip_from_world = case.light.clip_from_world();
-        let float = draw_map(case, device, &subject.vertices, DepthFormat::F32);
-        let covered = |i: usize| float.triangle[i] != NO_TRIANGLE;
         let size = case.map.size;
-        let unquantized = ShadowMap::unquantized(size, &float.depth, f32::INFINITY, covered);
+        let (unquantized, float_triangles) = float_map(&subject, effort);
         let texels = |p: DVec3| {
             let window = case.light.window_from_world(&clip_from_world, p)?;
             Some(window.truncate() * f64::from(size))
         };
-        let projected = (0..geometry.triangles.len() as u32)
-            .map(|t| {
-                let [a, b, c] = geometry.corners(t).map(texels);
-                Some([a?, b?, c?])
-            })
-            .collect();
+        let corners = |t: u32| {
+            let [a, b, c] = geometry.corners(t).map(texels);
+            Some([a?, b?, c?])
+        };
         Self {
-            tracer: Tracer::new(&geometry),
-            adjacency: Adjacency::new(&geometry),
+            projected: (0..geometry.triangles.len() as u32).map(corners).collect(),
+            tracer,
+            adjacency,
             world_from_clip: clip_from_world.inverse(),
             drawn_faces: match case.map.cull {
                 Cull::None => Faces::Both,
@@ -75,9 +143,9 @@ impl<'a> Observer<'a> {
             subject,
             geometry,
             clip_from_world,
-            projected,
             unquantized,
-            float_triangles: float.triangle,
+            float_triangles,
+            effort,
         }
     }
 
@@ -96,14 +164,7 @@ impl<'a> Observer<'a> {
     /// Judges every `step`-th covered pixel in x and y, row by row from the bottom.
     #[must_use]
     pub fn observe_canvas(&self, step: u32) -> Vec<Observation> {
-        let [width, height] = self.subject.canvas.size;
-        let row = |y: u32| {
-            let pixel = move |x: u32| self.observe_pixel(x, y);
-            (0..width).step_by(step as usize).filter_map(pixel).collect::<Vec<_>>()
-        };
-        let rows: Vec<u32> = (0..height).step_by(step as usize).collect();
-        let observed: Vec<Vec<Observation>> = rows.into_par_iter().map(row).collect();
-        observed.into_iter().flatten().collect()
+        self.observe_all(step).0
     }
 
     /// Judges one pixel; `None` where it is background.
@@ -117,14 +178,15 @@ impl<'a> Observer<'a> {
     /// `None` where it is background.
     #[must_use]
     pub fn receiver(&self, x: u32, y: u32) -> Option<(Receiver, [f32; 3])> {
-        let triangle = self.subject.canvas.triangle[(y * self.subject.canvas.size[0] + x) as usize];
-        if triangle == NO_TRIANGLE {
-            return None;
-        }
-        let weights = self.subject.barycentrics(triangle, x, y);
-        let [a, b, c] = self.geometry.corners(triangle);
-        let position = a * weights.x + b * weights.y + c * weights.z;
-        Some((Receiver { position, triangle }, self.subject.coordinate(triangle, x, y)))
+        let triangle = self.triangle_under(x, y)?;
+        Some(Spot::new(self, triangle).receiver(self, x, y))
+    }
+
+    /// The triangle under a pixel centre.
+    pub(super) fn triangle_under(&self, x: u32, y: u32) -> Option<u32> {
+        let canvas = &self.subject.canvas;
+        let triangle = canvas.triangle[y as usize * canvas.size[0] as usize + x as usize];
+        (triangle != NO_TRIANGLE).then_some(triangle)
     }
 
     /// Exact window coordinates of a receiver, its truth, and whether it counts.
@@ -139,13 +201,27 @@ impl<'a> Observer<'a> {
     /// Judges a receiver whose subject coordinates are given.
     #[must_use]
     pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {
-        let case = self.case();
         let (window, answer, standing) = self.witness(&receiver);
+        let seen = Seen { pixel, receiver, coord };
+        let window = window.unwrap_or(DVec3::splat(f64::NAN));
+        self.judge(seen, window, answer, standing, || self.centre_depth(window))
+    }
+
+    /// Judges a receiver of known truth. `centre_depth` is asked where the receiver counts.
+    pub(super) fn judge(
+        &self,
+        seen: Seen,
+        exact: DVec3,
+        answer: Answer,
+        standing: Standing,
+        centre_depth: impl FnOnce() -> f64,
+    ) -> Observation {
+        let Seen { pixel, receiver, coord } = seen;
+        let case = self.case();
         let taps = self.taps(&case.lookup, coord);
         let lit_taps = shadow::visibility(&case.lookup, coord, &taps, case.bias);
         let rule = case.lookup.compare;
         let breakpoint = |&d: &f32| shadow::breakpoint(rule, coord[2], d);
-        let exact = window.unwrap_or(DVec3::splat(f64::NAN));
         let mut observation = Observation {
             pixel,
             receiver,
@@ -166,7 +242,7 @@ impl<'a> Observer<'a> {
             own_surface: false,
         };
         if observation.standing == Standing::Counted {
-            self.climb(&mut observation);
+            self.climb(&mut observation, centre_depth());
             self.name(&mut observation);
         }
         observation
@@ -190,7 +266,12 @@ impl<'a> Observer<'a> {
         self.subject.map.taps(&self.subject.device, lookup.filter, lookup.wrap, u, v)
     }
 
-    fn standing(&self, receiver: &Receiver, window: Option<DVec3>, answer: &Answer) -> Standing {
+    pub(super) fn standing(
+        &self,
+        receiver: &Receiver,
+        window: Option<DVec3>,
+        answer: &Answer,
+    ) -> Standing {
         let case = self.case();
         let inside = |w: DVec3| w.min_element() >= 0.0 && w.max_element() <= 1.0;
         let normal = self.geometry.area_normal(receiver.triangle);

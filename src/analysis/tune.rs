@@ -3,13 +3,14 @@
 use super::budget::Budget;
 use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
 use super::sweep::tally::{Kind, Tally};
-use super::sweep::{Field, Question, Range, Swept, amounts, looks, sweep};
+use super::sweep::{Field, Point, Question, Range, Swept, amounts, sweep};
 use crate::depth::DepthFormat;
 use crate::engines::{Engine, Knob, Place};
 use crate::report::number::{percent, significant};
 use crate::report::{Block, Cell, Profile, Report, Section, Table};
 use crate::scene::{Case, Filter, TexelFormat};
 use crate::shadow::bias::slope::receiver_slope;
+use crate::shadow::bias::{NormalMove, Recipe};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -26,6 +27,8 @@ pub struct Request {
     pub profile: Profile,
     /// Seed, for the record.
     pub seed: u64,
+    /// The command that asks this again.
+    pub command: String,
 }
 
 /// One parameter at its smallest value that meets the target.
@@ -51,6 +54,40 @@ impl Tuned {
         let swept = sweep(chart, format, knob.strategy, &question);
         let value = swept.acne_free.map(|p| knob.value(f64::from(p.amount)));
         Self { knob, value, swept }
+    }
+
+    /// Why no value of the parameter meets the target, in one sentence.
+    fn reason(&self, populations: [u64; 2]) -> String {
+        let acne = |p: &&Point| p.tally.of(Kind::Acne);
+        let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
+        let least = self.swept.points.iter().min_by_key(acne);
+        least.map_or_else(String::new, |p| {
+            format!(
+                "{} alone cannot do it: at best, at {}, it leaves {} of the lit with acne and lights {} of the shadowed.",
+                self.knob.name,
+                significant(self.knob.value(p.amount.into()), 4),
+                share(acne(&p), 0),
+                share(p.tally.false_light(), 1),
+            )
+        })
+    }
+
+    /// Whether shadows detach before acne has ended, in words for the end of a sentence.
+    fn conflict(&self) -> String {
+        let ends = self.swept.acne_free.map(|p| p.amount);
+        match (ends, self.swept.detachment) {
+            (Some(free), Some(first)) if first <= free => format!(
+                " No value is free of both: shadows detach from {} on.",
+                significant(self.knob.value(first.into()), 4)
+            ),
+            (Some(_), Some(first)) if first.is_finite() => {
+                format!(
+                    " Shadows detach from {} on.",
+                    significant(self.knob.value(first.into()), 4)
+                )
+            }
+            _ => String::new(),
+        }
     }
 
     /// Order of preference: feasible, then the least false light, then false shadow.
@@ -115,7 +152,12 @@ const fn texel_bytes(format: TexelFormat) -> u64 {
 
 /// The cheapest map, by bytes and then fetches, on which some knob ends acne and lights no more of the
 /// shadow than `allowed`.
-fn cheapest(field: &Field<'_>, request: &Request, allowed: f64) -> Option<Configuration> {
+fn cheapest(
+    field: &Field<'_>,
+    request: &Request,
+    knob: Knob,
+    allowed: f64,
+) -> Option<Configuration> {
     let sizes = [128, 256, 512, 1024, 2048];
     let formats =
         [DepthFormat::Unorm16, DepthFormat::Unorm24, DepthFormat::F32].map(TexelFormat::Depth);
@@ -131,7 +173,6 @@ fn cheapest(field: &Field<'_>, request: &Request, allowed: f64) -> Option<Config
         }
     }
     options.sort_by_key(|&(bytes, fetches, ..)| (bytes, fetches));
-    let knob = request.engine.knobs()[0];
     options.into_iter().find_map(|(bytes, _, size, format, filter)| {
         let chart = Chart::new(field, size, filter, Attachment::of(format));
         let tuned = Tuned::new(&chart, format, knob, request.max_acne);
@@ -196,13 +237,24 @@ fn units(place: &Place, bias: f64) -> Table {
     table
 }
 
-/// The measured setting of an engine's defaults.
+/// The measured setting of an engine's defaults: casters' and receivers' hooks together.
 fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally {
     let recipe = engine.defaults();
+    let casters = Recipe { normal: NormalMove::default(), light: 0.0, ..recipe };
+    let field = chart.field.looking_from(&recipe, chart.size);
+    let there = Chart::new(&field, chart.size, chart.filter, Attachment::of(format));
     let weights = chart.weights(format);
-    let comparisons = chart.looks(format, &recipe, Some(&weights));
-    let rule = chart.field.case().lookup.compare;
-    looks::literal(&comparisons, rule, |i| recipe.tap_bias(&weights[i]))
+    let rule = field.case().lookup.compare;
+    let mut tally = Tally::default();
+    for (i, mut looks) in there.wrong(format, &casters, &weights, &there.all()) {
+        let sample = &chart.field.samples[i as usize];
+        if recipe.moves_receiver() && !sample.lit {
+            let offset = recipe.receiver_offset(&chart.sites()[i as usize]);
+            looks.moved_into_light = chart.field.is_lit_from(sample, offset);
+        }
+        looks.tally(rule, recipe.tap_bias(&weights[i as usize]), &mut tally);
+    }
+    tally
 }
 
 /// The report of one request.
@@ -219,7 +271,11 @@ pub fn report(request: &Request) -> Report {
     tuned.sort_by_key(Tuned::merit);
     let populations = field.populations;
     let best = tuned.iter().find(|t| t.value.is_some());
-    let mut section = Section::new("answer", "The value", "");
+    let mut section = Section::new(
+        "answer",
+        "The value",
+        "Each line alone ends acne; the first one costs the least light.",
+    );
     let mut rows: Vec<(String, Tally)> = Vec::new();
     for t in &tuned {
         match (t.value, t.swept.acne_free) {
@@ -228,10 +284,7 @@ pub fn report(request: &Request) -> Report {
                 section.push(Block::Code { language: engine.name().into(), text: line });
                 rows.push((format!("{} = {}", t.knob.name, significant(value, 6)), point.tally));
             }
-            _ => section.push(format!(
-                "{} alone cannot do it: within its range acne stays above the target.",
-                t.knob.name
-            )),
+            _ => section.push(t.reason(populations)),
         }
     }
     rows.push((format!("{engine} defaults"), defaults(&chart, format, engine)));
@@ -245,20 +298,23 @@ pub fn report(request: &Request) -> Report {
     }
     let light = best.and_then(|t| t.swept.acne_free).map_or(0.0, |p| p.tally.false_light() as f64);
     let allowed = light / populations[1].max(1) as f64 + 0.005;
-    let cheap = cheapest(&field, request, allowed);
+    let knob = best.map_or(engine.knobs()[0], |t| t.knob);
+    let cheap = cheapest(&field, request, knob, allowed);
     let budget = Budget::of(&field);
-    let mut lead = vec![answer(request, best, &rows, populations)];
+    let reason = tuned.first().map_or_else(String::new, |t| t.reason(populations));
+    let mut lead = vec![answer(request, best, &rows, populations, &reason)];
     lead.push(cheap.as_ref().map_or_else(
         || "No smaller configuration meets the target.".to_string(),
         |c| format!(
             "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {4} fetches, {5} = {6}).",
-            c.size, c.format.name(), c.filter, c.bytes, c.filter.fetches(), engine.knobs()[0].name, significant(c.value, 4),
+            c.size, c.format.name(), c.filter, c.bytes, c.filter.fetches(), knob.name, significant(c.value, 4),
         ),
     ));
     lead.push(budget.sentence(&case.name));
     if !engine.remark().is_empty() {
         lead.push(format!("Of {engine}: {}.", engine.remark()));
     }
+    section.push(format!("Formula and defaults of {engine} are those of {}.", engine.source()));
     let values: BTreeMap<&str, Option<f64>> =
         tuned.iter().map(|t| (t.knob.name, t.value)).collect();
     Report {
@@ -276,10 +332,7 @@ pub fn report(request: &Request) -> Report {
             ("filter".into(), filter.to_string()),
             ("allowed acne".into(), request.max_acne.to_string()),
         ]),
-        command: format!(
-            "gnomon-tune --case {} --engine {engine} --{}",
-            case.name, request.profile
-        ),
+        command: request.command.clone(),
         sections: vec![section],
         results_csv: Some(artifacts(&rows, populations)),
         results: results(request, &values, window, cheap.as_ref(), &budget),
@@ -316,6 +369,7 @@ fn answer(
     best: Option<&Tuned>,
     rows: &[(String, Tally)],
     populations: [u64; 2],
+    reason: &str,
 ) -> String {
     let engine = request.engine;
     let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
@@ -327,15 +381,17 @@ fn answer(
     });
     match best.and_then(|t| Some((t, t.value?, t.swept.acne_free?))) {
         Some((t, value, point)) => format!(
-            "Set {} to {}: acne falls to {} of the lit, false light is {} of the shadowed.{default}",
+            "Set {} to {}: acne falls to {} of the lit, false light is {} of the shadowed.{}{default}",
             t.knob.name,
             significant(value, 6),
             share(point.tally.of(Kind::Acne), 0),
             share(point.tally.false_light(), 1),
+            t.conflict(),
         ),
         None => format!(
-            "Infeasible: no value of any of {engine}'s parameters brings acne to {} or below on this map.{default}",
-            percent(request.max_acne, 3)
+            "Infeasible: no value of any of {engine}'s parameters brings acne to {} or below on this map. {}{default}",
+            percent(request.max_acne, 3),
+            reason,
         ),
     }
 }

@@ -6,6 +6,7 @@ use crate::shadow;
 use crate::truth::{Receiver, Truth};
 use crate::view::length;
 use glam::DVec3;
+use std::cell::OnceCell;
 
 /// Steps per texel while looking for the next change.
 const STEPS_PER_TEXEL: f64 = 4.0;
@@ -30,6 +31,8 @@ pub struct Walk<'o, 'a> {
     direction: DVec3,
     step: f64,
     bias: f32,
+    /// Triangles in the plane of the walk's own, by id; found when the walk first leaves that.
+    coplanar: OnceCell<Vec<u32>>,
 }
 
 impl<'o, 'a> Walk<'o, 'a> {
@@ -55,6 +58,7 @@ impl<'o, 'a> Walk<'o, 'a> {
             direction: along / size,
             step: texel / STEPS_PER_TEXEL,
             bias,
+            coplanar: OnceCell::new(),
         })
     }
 
@@ -87,6 +91,7 @@ impl<'o, 'a> Walk<'o, 'a> {
     fn triangle_at(&self, position: DVec3) -> Option<u32> {
         let geometry = &self.observer.geometry;
         let own = geometry.area_normal(self.triangle);
+        let own_length = length(own);
         let inside = |t: u32| {
             let [a, b, c] = geometry.corners(t);
             let normal = geometry.area_normal(t);
@@ -95,15 +100,18 @@ impl<'o, 'a> Walk<'o, 'a> {
             side(a, b) >= slack && side(b, c) >= slack && side(c, a) >= slack
         };
         let coplanar = |t: u32| {
-            let normal = geometry.area_normal(t);
-            let cross = length(normal.cross(own));
             let offset = (geometry.corners(t)[0] - self.origin).dot(own);
-            cross <= 1e-9 * length(normal) * length(own) && offset.abs() <= 1e-9 * length(own)
+            if offset.abs() > 1e-9 * own_length {
+                return false;
+            }
+            let normal = geometry.area_normal(t);
+            length(normal.cross(own)) <= 1e-9 * length(normal) * own_length
         };
         if inside(self.triangle) {
             return Some(self.triangle);
         }
-        (0..geometry.triangles.len() as u32).find(|&t| coplanar(t) && inside(t))
+        let all = || (0..geometry.triangles.len() as u32).filter(|&t| coplanar(t)).collect();
+        self.coplanar.get_or_init(all).iter().copied().find(|&t| inside(t))
     }
 
     /// Where `wanted` stops holding, going from 0 in direction `sign`.

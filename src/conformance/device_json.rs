@@ -35,8 +35,19 @@ pub struct MeasuredDevice {
 /// [`crate::Error::Read`] for the file; [`crate::Error::BadInput`], naming file and field, where it is
 /// no JSON, of another schema, or says what no profile can have.
 pub fn read(path: &Path) -> Result<MeasuredDevice> {
-    let value = json::read(path)?;
-    let root = Field::root(path, &value);
+    from_value(path, &json::read(path)?)
+}
+
+/// The same from the file's bytes; `path` names it in complaints.
+///
+/// # Errors
+/// [`crate::Error::BadInput`] as [`read`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeasuredDevice> {
+    from_value(path, &json::parse(path, bytes)?)
+}
+
+fn from_value(path: &Path, value: &Value) -> Result<MeasuredDevice> {
+    let root = Field::root(path, value);
     let schema = root.get("schema")?;
     if schema.text()? != SCHEMA {
         let reason = format!("is '{}', not '{SCHEMA}'", schema.text()?);

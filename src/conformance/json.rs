@@ -12,10 +12,19 @@ pub(super) struct Field<'a> {
     value: &'a Value,
 }
 
+/// A file's bytes.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|e| Error::read(path, e))
+}
+
 /// Reads and parses a JSON file.
 pub(super) fn read(path: &Path) -> Result<Value> {
-    let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;
-    serde_json::from_slice(&bytes)
+    parse(path, &bytes(path)?)
+}
+
+/// Parses the bytes of the JSON file at `path`.
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Value> {
+    serde_json::from_slice(bytes)
         .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), "give valid JSON"))
 }
 

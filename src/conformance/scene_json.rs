@@ -12,7 +12,6 @@ use crate::scene::{
 };
 use crate::view::{Projection, View};
 use glam::{DVec3, Vec3};
-use serde_json::Value;
 use std::path::Path;
 
 /// Map and canvas sizes beyond this are refused (2²⁶ texels).
@@ -56,12 +55,13 @@ pub struct FileEntry {
 /// # Errors
 /// [`crate::Error::BadInput`] naming file and field where something is missing, malformed or contradictory.
 pub fn read(path: &Path) -> Result<SceneDump> {
-    let value = json::read(path)?;
-    parse(path, &value)
+    parse(path, &json::bytes(path)?)
 }
 
-fn parse(path: &Path, value: &Value) -> Result<SceneDump> {
-    let root = Field::root(path, value);
+/// The same from the file's bytes; `path` names it in complaints.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneDump> {
+    let value = json::parse(path, bytes)?;
+    let root = Field::root(path, &value);
     let rules = root.get("rules")?;
     let lookup = lookup(&root, &rules)?;
     let chain = chain(&rules)?;
@@ -326,12 +326,12 @@ fn counts(root: &Field<'_>) -> Result<Vec<(String, Histogram)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Error;
+    use {crate::Error, serde_json::Value};
 
     fn complaint(edit: impl FnOnce(&mut Value)) -> String {
         let mut value = minimal();
         edit(&mut value);
-        match parse(Path::new("scene.json"), &value) {
+        match parse(Path::new("scene.json"), value.to_string().as_bytes()) {
             Ok(_) => "accepted".to_string(),
             Err(e) => e.to_string(),
         }
@@ -393,7 +393,7 @@ mod tests {
     fn errors_are_bad_input() {
         let mut value = minimal();
         value["canvas"] = serde_json::json!([0, 4]);
-        let error = parse(Path::new("scene.json"), &value).unwrap_err();
+        let error = parse(Path::new("scene.json"), value.to_string().as_bytes()).unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }), "{error}");
         assert_eq!(error.exit_code(), 2);
     }

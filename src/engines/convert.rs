@@ -1,6 +1,6 @@
 //! One bias in every unit: window depth to a strategy's amount at a place, and back.
 
-use crate::shadow::bias::{NormalWeight, Strategy};
+use crate::shadow::bias::{NormalWeight, Strategy, UNREAL_SLOPE};
 
 /// Where a bias is converted: its worth depends on the distance, the slope and the map. f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,36 +25,38 @@ pub struct Place {
 
 impl Place {
     /// World length along the axis of a bias in window depth: b(f − n), or in perspective the exact
-    /// kZ²/(1 + kZ) with k = b(f − n)/(nf).
+    /// kZ²/(1 + kZ) with k = b(f − n)/(nf). Rounded once.
     #[must_use]
     pub fn world_from_window(&self, bias: f64) -> f64 {
         self.lift(bias, 1.0)
     }
 
-    /// [`Self::world_from_window`] in multiples of `unit`: everything but the bias is one constant, so
-    /// that only three roundings depend on it.
-    fn lift(&self, bias: f64, unit: f64) -> f64 {
-        let range = self.far - self.near;
-        match self.distance {
-            None => bias * (range / unit),
-            Some(z) => {
-                let c = range / (self.near * self.far);
-                bias * (c * z * z / unit) / bias.mul_add(c * z, 1.0)
-            }
-        }
-    }
-
-    /// The window depth whose [`Self::world_from_window`] is nearest to `world`: the closed inverse
-    /// dW/(Z(Z − dW))·nf/(f − n), then the best of its neighbours, so that going to and fro stays
-    /// within 2 ulp up to dW = Z/3 (beyond, ulps of dW are worth ever more of b).
+    /// The window depth whose [`Self::world_from_window`] is `world`: its inverse, rounded once.
     #[must_use]
     pub fn window_from_world(&self, world: f64) -> f64 {
+        self.drop(world, 1.0)
+    }
+
+    /// (A, B) of the world length b·A/(1 + b·B) of a bias b.
+    fn projection(&self) -> (f64, f64) {
         let range = self.far - self.near;
-        let guess = match self.distance {
-            None => world / range,
-            Some(z) => world / (z * (z - world)) * (self.near * self.far / range),
-        };
-        nearest(guess, world, |b| self.world_from_window(b))
+        self.distance.map_or((range, 0.0), |z| {
+            let c = range / (self.near * self.far);
+            (c * z * z, c * z)
+        })
+    }
+
+    /// b·A/(1 + b·B) in multiples of `unit`.
+    fn lift(&self, bias: f64, unit: f64) -> f64 {
+        let (a, b) = self.projection();
+        Double::product(bias, a).over(Double::product(bias, b).plus(Double::ONE).times(unit))
+    }
+
+    /// The inverse of [`Self::lift`]: a·unit/(A − a·unit·B).
+    fn drop(&self, amount: f64, unit: f64) -> f64 {
+        let (a, b) = self.projection();
+        let world = Double::product(amount, unit);
+        world.over(world.times(-b).plus(Double::product(a, 1.0)))
     }
 
     /// Amount of a strategy that is worth `bias` window depth on this surface: how far it lifts the
@@ -68,15 +70,15 @@ impl Place {
         amount.is_finite().then_some(amount)
     }
 
-    /// The window depth that an amount is worth; the inverse of [`Self::amount`] within 2 ulp.
+    /// The window depth that an amount is worth; the inverse of [`Self::amount`]: each is rounded once, so
+    /// that going to and fro stays within 2 ulp where the bias is worth at most a third of the distance.
     #[must_use]
     pub fn window(&self, strategy: Strategy, amount: f64) -> Option<f64> {
-        let guess = match self.lever(strategy)? {
+        let bias = match self.lever(strategy)? {
             Lever::Window(scale) => amount * scale,
-            Lever::World(scale) => self.window_from_world(amount * scale),
+            Lever::World(scale) => self.drop(amount, scale),
         };
-        let back = |b: f64| self.amount(strategy, b).unwrap_or(f64::NAN);
-        guess.is_finite().then(|| nearest(guess, amount, back))
+        bias.is_finite().then_some(bias)
     }
 
     /// What one unit of a strategy lifts. A normal offset d lifts d/cos θ along the light (it moves
@@ -87,6 +89,7 @@ impl Place {
         };
         let sine = f64::sqrt(1.0 - self.cosine * self.cosine);
         let texel = self.texel_world;
+        let tangent = (sine / self.cosine).min(1.0);
         let root2 = std::f64::consts::SQRT_2;
         use NormalWeight::{Blender, One, OneMinusCos, Sin};
         match strategy {
@@ -103,9 +106,13 @@ impl Place {
             Strategy::NormalFilament => normal(Sin, texel / 2.0),
             Strategy::NormalBlender => normal(Blender, root2 * texel),
             Strategy::NormalGodot => normal(OneMinusCos, texel * sine * sine),
+            Strategy::NormalCesium => normal(OneMinusCos, 1.0),
             Strategy::CasterUnity => normal(Sin, texel),
             Strategy::CasterUrp => normal(OneMinusCos, texel),
             Strategy::CasterBabylon => normal(Sin, 1.0),
+            Strategy::CasterUnreal => {
+                Some(Lever::World(texel / 4.0 * (1.0 + UNREAL_SLOPE * tangent)))
+            }
             _ => None,
         }
     }
@@ -117,18 +124,40 @@ enum Lever {
     World(f64),
 }
 
-/// Of `guess` and its neighbours within 4 ulp, the one that `forward` brings nearest to `target`; the
-/// middle one of equals.
-fn nearest(guess: f64, target: f64, forward: impl Fn(f64) -> f64) -> f64 {
-    let miss = |x: f64| (forward(x) - target).abs();
-    let mut candidates = vec![guess];
-    let (mut below, mut above) = (guess, guess);
-    for _ in 0..4 {
-        (below, above) = (below.next_down(), above.next_up());
-        candidates.extend([below, above]);
+/// An unevaluated sum of two f64: every operation errs by at most 2⁻¹⁰⁰ of its result (Dekker 1971).
+#[derive(Clone, Copy)]
+struct Double(f64, f64);
+
+impl Double {
+    const ONE: Self = Self(1.0, 0.0);
+
+    fn product(a: f64, b: f64) -> Self {
+        let p = a * b;
+        Self(p, a.mul_add(b, -p))
     }
-    let least = candidates.iter().map(|&x| miss(x)).fold(f64::INFINITY, f64::min);
-    let mut equal: Vec<f64> = candidates.into_iter().filter(|&x| miss(x) == least).collect();
-    equal.sort_by(f64::total_cmp);
-    equal.get(equal.len() / 2).copied().unwrap_or(guess)
+
+    /// a + b of |a| ≥ |b|.
+    fn ordered(a: f64, b: f64) -> Self {
+        let sum = a + b;
+        Self(sum, b - (sum - a))
+    }
+
+    fn plus(self, other: Self) -> Self {
+        let sum = self.0 + other.0;
+        let shift = sum - self.0;
+        let lost = (self.0 - (sum - shift)) + (other.0 - shift);
+        Self::ordered(sum, lost + (self.1 + other.1))
+    }
+
+    fn times(self, factor: f64) -> Self {
+        let p = Self::product(self.0, factor);
+        Self::ordered(p.0, self.1.mul_add(factor, p.1))
+    }
+
+    /// The quotient, rounded to f64 once.
+    fn over(self, other: Self) -> f64 {
+        let quotient = self.0 / other.0;
+        let rest = self.plus(other.times(-quotient));
+        quotient + rest.0 / other.0
+    }
 }

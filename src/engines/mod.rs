@@ -24,11 +24,11 @@ crate::catalogue! {
         Urp = "urp",
         /// Unity HDRP: normal bias in texels, slope bias.
         Hdrp = "hdrp",
-        /// Unreal: CSM depth bias in world units of the cascade's depth range.
+        /// Unreal 5: CSM depth bias in quarter texels (Shadow Bias 0.5), grown by the slope at casters.
         Unreal = "unreal",
         /// PlayCanvas: shadowBias, a tenth of a polygon offset's slope and units.
         Playcanvas = "playcanvas",
-        /// Cesium: depthBias in window depth.
+        /// Cesium: depthBias in window depth, normalOffsetScale in world units · (1 − N·L).
         Cesium = "cesium",
         /// OpenGL: glPolygonOffset.
         Gl = "gl",
@@ -67,12 +67,23 @@ impl Knob {
         let value = amount * self.scale;
         if self.integer { value.ceil() } else { value }
     }
+
+    /// A value as engines keep it: the f32 next to it away from zero, so that it is worth no less.
+    #[must_use]
+    pub fn stored(value: f64) -> f32 {
+        let nearest = value as f32;
+        if f64::from(nearest).abs() >= value.abs() {
+            nearest
+        } else if value > 0.0 {
+            nearest.next_up()
+        } else {
+            nearest.next_down()
+        }
+    }
 }
 
 impl Engine {
-    /// Its parameters, the one it is known for first. Sources: the engines' repositories as read for
-    /// the project's notes (three.js r187; Babylon 8.22; Bevy, Filament, PlayCanvas 2026; Godot 4 with
-    /// PR #68339, #55757; Unity's shader libraries; Cesium's ShadowMap) and the APIs' specifications.
+    /// Its parameters, the one it is known for first; where they were read: [`Self::source`].
     #[must_use]
     pub fn knobs(self) -> Vec<Knob> {
         use Strategy as S;
@@ -106,9 +117,12 @@ impl Engine {
                 knob("normalBias", S::NormalHdrp, 1.0, 0.75),
                 knob("slopeBias", S::SlopeRaster, 1.0, 0.5),
             ],
-            Self::Unreal => vec![knob("r.Shadow.CSMDepthBias", S::World, 1.0, 10.0)],
+            Self::Unreal => vec![knob("r.Shadow.CSMDepthBias", S::CasterUnreal, 1.0, 10.0)],
             Self::Playcanvas => vec![knob("shadowBias", S::RasterPlaycanvas, 1.0, 0.05)],
-            Self::Cesium => vec![knob("depthBias", S::Constant, 1.0, 1e-4)],
+            Self::Cesium => vec![
+                knob("depthBias", S::Constant, 1.0, 1e-4),
+                knob("normalOffsetScale", S::NormalCesium, 1.0, 0.5),
+            ],
             Self::Gl => {
                 vec![
                     knob("factor", S::SlopeRaster, 1.0, 0.0),
@@ -167,20 +181,25 @@ impl Engine {
             },
             Self::Hdrp => Recipe {
                 normal: normal(0.75, NormalWeight::One),
-                polygon: polygon(0.5, 0.0),
+                polygon: polygon(0.5, 1.0),
                 ..none
             },
-            Self::Unreal => Recipe { world: 10.0, ..none },
+            Self::Unreal => Strategy::CasterUnreal.with(10.0),
             Self::Playcanvas => Strategy::RasterPlaycanvas.with(0.05),
-            Self::Cesium => Recipe { window: 1e-4, polygon: polygon(1.1, 4.0), ..none },
+            Self::Cesium => Recipe {
+                window: 1e-4,
+                polygon: polygon(1.1, 4.0),
+                normal: NormalMove { in_texels: false, ..normal(0.5, NormalWeight::OneMinusCos) },
+                ..none
+            },
             Self::Threejs | Self::Gl | Self::Vulkan | Self::D3d12 | Self::Webgpu => none,
         }
     }
 
-    /// The line to paste for one parameter.
+    /// The line to paste for one parameter, the value as [`Knob::stored`].
     #[must_use]
     pub fn line(self, knob: &Knob, value: f64) -> String {
-        let v = format!("{value:?}");
+        let v = format!("{:?}", Knob::stored(value));
         let name = knob.name;
         match (self, knob.strategy) {
             (Self::Threejs, _) => format!("light.{name} = {v};"),
@@ -210,6 +229,40 @@ impl Engine {
         }
     }
 
+    /// Where formula and defaults were read: version and file, or the specification's section.
+    #[must_use]
+    pub const fn source(self) -> &'static str {
+        match self {
+            Self::Threejs => "three.js r187, src/lights/LightShadow.js and the shadow chunks",
+            Self::Babylon => "Babylon.js 8.22, shadowGenerator.ts and shadowMapVertexMetric",
+            Self::Bevy => {
+                "Bevy 0.17-dev, bevy_light directional_light.rs and bevy_pbr shadows.wgsl"
+            }
+            Self::Filament => {
+                "Filament 2026, LightManager.h, ShadowMap.cpp and surface_shadowing.fs"
+            }
+            Self::Godot => {
+                "Godot 4, scene/3d/light_3d.cpp and the forward renderer's shadow set-up"
+            }
+            Self::Unity => "Unity's built-in UnityCG.cginc, UnityClipSpaceShadowCasterPos",
+            Self::Urp => "URP ShadowUtils.cs (GetShadowBias, RenderShadowSlice) and Shadows.hlsl",
+            Self::Hdrp => {
+                "HDRP HDShadowAlgorithms.hlsl (EvalShadow_NormalBias) and HDShadowAtlas.cs"
+            }
+            Self::Unreal => {
+                "Unreal Engine 5, ShadowRendering.cpp (UpdateShaderDepthBias) and ShadowDepthVertexShader.usf"
+            }
+            Self::Playcanvas => {
+                "PlayCanvas engine, src/scene/light.js and framework/components/light"
+            }
+            Self::Cesium => "CesiumJS, ShadowMap.js (terrain bias) and ShadowMapShader.js",
+            Self::Gl => "OpenGL 4.6 core, 14.6.5 Depth Offset",
+            Self::Vulkan => "Vulkan 1.3, Depth Bias; VK_EXT_depth_bias_control",
+            Self::D3d12 => "D3D11.3 functional specification, 15.10 Depth Bias",
+            Self::Webgpu => "WebGPU, GPUDepthStencilState depth bias",
+        }
+    }
+
     /// What the engine's own terms leave open here; empty where nothing.
     #[must_use]
     pub const fn remark(self) -> &'static str {
@@ -219,9 +272,14 @@ impl Engine {
                 "how the built-in depth bias scales is not public, so only the normal bias is tuned"
             }
             Self::Unreal => {
-                "directional lights only; the blend by distribution and by cascade is left out"
+                "directional lights with Shadow Bias and Shadow Slope Bias at 0.5 and Cascade Bias Distribution at 1; the receiver bias and the soft comparison are left out"
             }
-            Self::Cesium => "the default is the terrain's, with its polygon offset 1.1, 4",
+            Self::Cesium => {
+                "the default is the terrain's, with its polygon offset 1.1, 4 and its normal offset"
+            }
+            Self::Urp => {
+                "hard shadows under a directional light; soft shadows multiply both values by 2.5, and a spot takes half a texel at its range everywhere"
+            }
             Self::Babylon => "the depth-texture path; bias is added to casters' NDC depth",
             _ => "",
         }

@@ -38,18 +38,28 @@ impl Manifest {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
-        serde_json::from_slice(&bytes).map_err(|e| {
+        Self::parse(&path.display().to_string(), &bytes)
+    }
+
+    /// Parses a manifest's bytes; `place` names it in complaints.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] when it is not a manifest.
+    pub fn parse(place: &str, bytes: &[u8]) -> Result<Self> {
+        serde_json::from_slice(bytes).map_err(|e| {
             let reason = format!("is not a manifest ({e})");
-            Error::bad_input(path.display().to_string(), reason, "run the experiment again")
+            Error::bad_input(place, reason, "run the experiment again")
         })
     }
 
-    /// The manifest as a file to publish beside the others.
+    /// The manifest as a file to publish beside the others. Its last member is the digest of the text
+    /// before it, so that [`verify`] finds a change of the manifest too.
     #[must_use]
     pub fn to_file(&self) -> OutFile {
-        let mut text = serde_json::to_string_pretty(self).expect("a manifest is JSON");
-        text.push('\n');
-        OutFile::new(MANIFEST, text)
+        let text = serde_json::to_string_pretty(self).expect("a manifest is JSON");
+        let body = text.strip_suffix("\n}").expect("a manifest is an object of members");
+        let own = digest(body.as_bytes());
+        OutFile::new(MANIFEST, format!("{body},\n  \"digest\": \"{own}\"\n}}\n"))
     }
 }
 
@@ -59,13 +69,18 @@ pub fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Compares every file of the folder's manifest with its digest and returns how many agree.
+/// Compares every file of the folder's manifest with its digest, the manifest with its own, and returns
+/// how many files agree.
 ///
 /// # Errors
 /// [`Error::CheckFailed`] names each file that differs; [`Error::Read`] one that is missing.
 pub fn verify(folder: &Path) -> Result<usize> {
     let manifest = Manifest::read(folder)?;
     let mut changed = Vec::new();
+    let path = folder.join(MANIFEST);
+    if fs::read(&path).map_err(|e| Error::read(&path, e))? != manifest.to_file().bytes {
+        changed.push(MANIFEST);
+    }
     for (name, expected) in &manifest.outputs {
         let path = folder.join(name);
         let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;

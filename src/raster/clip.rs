@@ -29,13 +29,21 @@ impl Polygon {
 
 /// Signed distances to the six planes, positive inside: near, far, left, right, bottom last but for
 /// the measured order top before bottom.
+#[inline(always)]
 fn distances(v: Vec4) -> [f32; 6] {
     [v.z + v.w, v.w - v.z, v.x + v.w, v.w - v.x, v.w - v.y, v.y + v.w]
 }
 
+/// Whether a vertex lies inside the volume (NaN does not).
+#[inline(always)]
+pub(super) fn is_inside(v: Vec4) -> bool {
+    let [a, b, c, d, e, f] = distances(v);
+    (a >= 0.0) & (b >= 0.0) & (c >= 0.0) & (d >= 0.0) & (e >= 0.0) & (f >= 0.0)
+}
+
 /// Whether some corner lies outside the volume (NaN counts as outside).
 pub(super) fn needs_clipping(clip: &[Vec4; 3]) -> bool {
-    clip.iter().any(|&v| distances(v).iter().any(|&d| !(d >= 0.0)))
+    clip.iter().any(|&v| !is_inside(v))
 }
 
 /// The part of a triangle inside the view volume; empty if there is none.

@@ -3,12 +3,21 @@
 //! Coverage is exact integer arithmetic on snapped vertices. The depth test keeps the first fragment
 //! with the smallest depth key (LESS); encoding comes after it, so that one raster serves every
 //! format whose encode is monotone.
+//!
+//! [`draw_each`] draws triangle by triangle as this reads. [`draw`] gives the same bits by tiles, on
+//! all threads, several triangles and pixels at a time.
 
+mod batch;
+mod bins;
 mod clip;
 mod fragments;
+mod literal;
 pub mod passes;
 mod plane;
 pub mod probe;
+mod test;
+mod tile;
+mod tiles;
 mod triangle;
 
 use crate::depth::DepthFormat;
@@ -17,7 +26,9 @@ use crate::scene::Cull;
 pub use crate::shadow::bias::PolygonOffset;
 pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
+pub use literal::draw_each;
 pub use plane::{Plane, Row, Varyings};
+pub use tiles::{draw, draw_at, draw_into};
 pub use triangle::Projected;
 
 /// No triangle covers the texel.
@@ -159,48 +170,13 @@ impl Setup {
             return false;
         }
         if let Some(outline) = self.projected.outline(device, cull) {
-            outline.spans(size, |y, first, end| {
+            outline.spans(&[[0, size[0]], [0, size[1]]], |y, first, end| {
                 any = true;
                 span(y, first, end);
             });
         }
         any
     }
-}
-
-/// Draws triangles in order with depth test LESS into a buffer cleared to 1.
-#[must_use]
-pub fn draw(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
-    let [width, height] = pass.size;
-    let texels = width as usize * height as usize;
-    let mut raster = Raster {
-        size: pass.size,
-        depth: vec![1.0; texels],
-        triangle: vec![NO_TRIANGLE; texels],
-        empty_triangles: 0,
-    };
-    let key_of = depth_key(device, pass.depth_buffer);
-    let mut keys = vec![key_of(1.0); texels];
-    for (id, t) in triangles.iter().enumerate() {
-        let setup = Setup::new(device, pass.size, t.map(|v| clip[v as usize]));
-        let depth = setup.depth.moved(setup.offset(device, pass.depth_buffer, pass.offset));
-        let drawn = setup.cover(device, pass.size, pass.cull, |y, first, end| {
-            let row = depth.row(y as f32);
-            let start = y as usize * width as usize;
-            for x in first..end {
-                let z = row.at(x as f32);
-                let z = if device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z };
-                let (key, at) = (key_of(z), start + x as usize);
-                if key < keys[at] {
-                    keys[at] = key;
-                    raster.depth[at] = z;
-                    raster.triangle[at] = id as u32;
-                }
-            }
-        });
-        raster.empty_triangles += u64::from(!drawn);
-    }
-    raster
 }
 
 /// The value that the depth test compares: the stored code of a fragment's depth (monotone in it).

@@ -20,7 +20,8 @@ pub struct Projected {
 const FARTHEST: f64 = (1u64 << 40) as f64;
 
 /// Sub-pixel position of a clip-space point, within ±2⁴⁰.
-fn snap(device: &Device, viewport: [u32; 2], v: Vec4) -> [i64; 2] {
+#[inline(always)]
+pub(super) fn snap(device: &Device, viewport: [u32; 2], v: Vec4) -> [i64; 2] {
     let half = (1u32 << (device.subpixel_bits - 1)) as f32;
     let axis = |x: f32, size: u32| match device.setup {
         PlaneSetup::Measured => {
@@ -164,41 +165,62 @@ impl Outline {
         twice_area != 0
     }
 
-    /// Calls `span(y, first, end)` for each row of covered pixel centres within `size`, in exact
+    /// The pixels whose centres the box of the outline holds: first and end on each axis, at least 0.
+    pub(super) fn samples(&self) -> [[i64; 2]; 2] {
+        [0, 1].map(|axis| {
+            let along = self.points().iter().map(|v| v[axis]);
+            let (low, high) = (along.clone().min().unwrap_or(0), along.max().unwrap_or(0));
+            [ceil_div(low, self.subpixel).max(0), ceil_div(high, self.subpixel).max(0)]
+        })
+    }
+
+    /// Calls `span(y, first, end)` for each row of covered pixel centres within `window`, in exact
     /// integer arithmetic: left and lower edges belong to the polygon, right and upper ones do not,
     /// so that an edge shared by two triangles is covered once.
     ///
     /// Range: |coordinate| ≤ 2²⁵ sub-pixels (clipping sees to it), products ≤ 2⁵³.
-    pub(super) fn spans(&self, size: [u32; 2], mut span: impl FnMut(u32, u32, u32)) {
-        let s = self.subpixel;
-        let p = self.points();
-        let low = p.iter().map(|v| v[1]).min().unwrap_or(0);
-        let high = p.iter().map(|v| v[1]).max().unwrap_or(0);
-        let first_row = ceil_div(low, s).max(0);
-        let end_row = ceil_div(high, s).min(i64::from(size[1]));
-        for row in first_row..end_row {
-            let y = row * s;
-            let (mut first, mut end) = (0, i64::from(size[0]));
-            for i in 0..p.len() {
-                let (a, b) = (p[i], p[(i + 1) % p.len()]);
-                let dy = b[1] - a[1];
-                if dy == 0 || y < a[1].min(b[1]) || y >= a[1].max(b[1]) {
-                    continue;
-                }
-                let (numerator, sign) = ((b[0] - a[0]) * (y - a[1]) + a[0] * dy, dy.signum());
-                let crossing = ceil_div(numerator * sign, dy * sign * s);
-                if dy < 0 {
-                    first = first.max(crossing);
-                } else {
-                    end = end.min(crossing);
-                }
-            }
+    pub(super) fn spans(&self, window: &Window, mut span: impl FnMut(u32, u32, u32)) {
+        for y in self.rows(window) {
+            let [first, end] = self.span(window, y);
             if first < end {
-                span(row as u32, first as u32, end as u32);
+                span(y, first, end);
             }
         }
     }
+
+    /// The rows of pixel centres within `window` that the box of the outline holds.
+    pub(super) fn rows(&self, [_, rows]: &Window) -> std::ops::Range<u32> {
+        let [_, [low, high]] = self.samples();
+        let within = |y: i64| y.clamp(i64::from(rows[0]), i64::from(rows[1])) as u32;
+        within(low)..within(high)
+    }
+
+    /// First and end of the covered pixel centres of a row.
+    pub(super) fn span(&self, [columns, _]: &Window, row: u32) -> [u32; 2] {
+        let (s, p) = (self.subpixel, self.points());
+        let y = i64::from(row) * s;
+        let [mut first, mut end] = columns.map(i64::from);
+        for i in 0..p.len() {
+            let (a, b) = (p[i], p[(i + 1) % p.len()]);
+            let dy = b[1] - a[1];
+            if dy == 0 || y < a[1].min(b[1]) || y >= a[1].max(b[1]) {
+                continue;
+            }
+            let (numerator, sign) = ((b[0] - a[0]) * (y - a[1]) + a[0] * dy, dy.signum());
+            let crossing = ceil_div(numerator * sign, dy * sign * s);
+            if dy < 0 {
+                first = first.max(crossing);
+            } else {
+                end = end.min(crossing);
+            }
+        }
+        // An empty span may lie anywhere, also below 0.
+        if first < end { [first as u32, end as u32] } else { [0, 0] }
+    }
 }
+
+/// First and end pixel along x and along y.
+pub(super) type Window = [[u32; 2]; 2];
 
 /// ⌈a/b⌉ for b > 0.
 fn ceil_div(a: i64, b: i64) -> i64 {

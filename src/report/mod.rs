@@ -81,6 +81,8 @@ pub struct Report {
     pub results_csv: Option<Table>,
     /// Caveats, shown beside what they qualify.
     pub warnings: Vec<Warning>,
+    /// Plots as SVG files alone, without a PNG each: for reports of many plots.
+    pub vectors_only: bool,
 }
 
 /// A part of the page with a heading of its own.
@@ -90,6 +92,8 @@ pub struct Section {
     pub id: String,
     /// Heading.
     pub title: String,
+    /// What the contents call it; the heading where empty.
+    pub nav: String,
     /// One or two sentences under the heading; may be empty.
     pub lead: String,
     /// Content, top to bottom.
@@ -111,6 +115,8 @@ pub enum Block {
     HeatMap(HeatMap),
     /// A picture, as PNG.
     Picture(Picture),
+    /// Pictures of the report side by side, small, each leading to its part.
+    Gallery(Vec<Tile>),
     /// Blocks side by side where the page is wide enough.
     Row(Vec<Self>),
     /// Preformatted text with a button that copies it.
@@ -128,6 +134,19 @@ pub enum Block {
     Explorer(Explorer),
     /// Shaders that the reader runs on their own GPU.
     Gpu(GpuPanel),
+}
+
+/// A picture of the report shown again, small, as the way to a part of the page.
+#[derive(Clone, Debug)]
+pub struct Tile {
+    /// Id of a [`Picture`] of the same report.
+    pub picture: String,
+    /// Where it leads: `#id`.
+    pub to: String,
+    /// Its name.
+    pub title: String,
+    /// One short line.
+    pub text: String,
 }
 
 /// A claim, the numbers and the sentence that follows from them.
@@ -170,6 +189,12 @@ impl Section {
         Self { id, title, lead, ..Self::default() }
     }
 
+    /// The same section under another name in the contents.
+    #[must_use]
+    pub fn called(self, nav: impl Into<String>) -> Self {
+        Self { nav: nav.into(), ..self }
+    }
+
     /// The same section, closed until opened.
     #[must_use]
     pub fn folded(self) -> Self {
@@ -194,7 +219,11 @@ impl Block {
             Self::Exr(image) => Some(&image.id),
             Self::Explorer(explorer) => Some(&explorer.id),
             Self::Gpu(panel) => Some(&panel.id),
-            Self::Text(_) | Self::Row(_) | Self::Code { .. } | Self::Findings(_) => None,
+            Self::Text(_)
+            | Self::Row(_)
+            | Self::Code { .. }
+            | Self::Findings(_)
+            | Self::Gallery(_) => None,
         }
     }
 

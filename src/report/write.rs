@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::{Block, Report, Size, page};
+use super::{Block, Plot, Report, Size, page};
 use crate::Result;
 use crate::output::{self, Manifest, OutFile};
 
@@ -107,7 +107,11 @@ impl Report {
         let blocks =
             blocks.flat_map(|(block, size)| block.flat().into_iter().map(move |b| (b, size)));
         let named: Vec<_> = blocks.filter_map(|(b, size)| Some((b.id()?, b, size))).collect();
-        named.into_par_iter().map(|(id, block, size)| (id, figure(id, block, size))).collect()
+        let figure = |(id, block, size): (_, &Block, _)| match block {
+            Block::Plot(plot) if self.vectors_only => (id, vector(id, plot, size)),
+            _ => (id, figure(id, block, size)),
+        };
+        named.into_par_iter().map(figure).collect()
     }
 
     /// What an index over reports shows.
@@ -137,6 +141,12 @@ impl Report {
     }
 }
 
+fn vector(id: &str, plot: &Plot, size: Size) -> Figure {
+    let svg = plot.to_svg(size);
+    let files = vec![OutFile::new(format!("plots/{id}.svg"), svg.clone())];
+    Figure { svg, files, ..Figure::default() }
+}
+
 fn figure(id: &str, block: &Block, size: Size) -> Figure {
     let file = |name, bytes: Vec<u8>| OutFile { name, bytes };
     match block {
@@ -161,9 +171,11 @@ fn figure(id: &str, block: &Block, size: Size) -> Figure {
             files: vec![file(format!("exr/{id}.exr"), image.to_exr())],
             ..Figure::default()
         },
-        Block::Text(_) | Block::Row(_) | Block::Code { .. } | Block::Findings(_) => {
-            Figure::default()
-        }
+        Block::Text(_)
+        | Block::Row(_)
+        | Block::Code { .. }
+        | Block::Findings(_)
+        | Block::Gallery(_) => Figure::default(),
     }
 }
 

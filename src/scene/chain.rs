@@ -127,6 +127,29 @@ impl MatrixChain {
         named.into_iter().map(|(name, m)| (name.to_string(), m)).collect()
     }
 
+    /// Puts a light's clip-from-world matrix, as an engine uploads it, into the matrices of an object.
+    pub fn set_light(self, matrices: &mut Matrices, clip_from_world: &Mat4, model: &Mat4) {
+        let mut set = |name: &str, m: Mat4| matrices.insert(name.to_string(), m);
+        match self {
+            Self::Combined => {
+                set("lightMVP", uploaded_product(clip_from_world, model));
+            }
+            Self::ModelView => {
+                set("lightP", *clip_from_world);
+                set("lightMV", *model);
+            }
+            Self::World => {
+                set("lightP", *clip_from_world);
+                set("lightV", Mat4::IDENTITY);
+                set("textureMatrix", uploaded_product(&sound_bias_matrix(), clip_from_world));
+            }
+            Self::BiasMatrix | Self::BiasMatrixAsPrinted => {
+                set("lightP", *clip_from_world);
+                set("lightV", Mat4::IDENTITY);
+            }
+        }
+    }
+
     /// The shader's products, in the device's arithmetic.
     ///
     /// # Panics

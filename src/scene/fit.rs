@@ -13,9 +13,9 @@ use crate::{Error, Result};
 use glam::DVec3;
 use std::path::PathBuf;
 
-/// A user's scene on the command line; flatten it into a binary's arguments.
+/// A scene file and its light on the command line; flatten it into a binary's arguments.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub struct UserScene {
+pub struct SceneFile {
     /// A scene file of your own (.gltf, .glb, .obj); settings from the .toml beside it, if there is one
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
@@ -28,6 +28,14 @@ pub struct UserScene {
     /// Spot light at this position, looking at the scene's centre
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, requires = "scene", allow_hyphen_values = true)]
     pub light_pos: Option<[f64; 3]>,
+}
+
+/// A user's scene with its map on the command line; flatten it into a binary's arguments.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct UserScene {
+    #[command(flatten)]
+    #[allow(missing_docs, reason = "clap would print it as the help of every flag inside")]
+    pub file: SceneFile,
     /// Map side in texels
     #[arg(long, value_name = "N", requires = "scene")]
     pub map: Option<u32>,
@@ -47,13 +55,17 @@ fn vector(text: &str) -> std::result::Result<[f64; 3], String> {
         .ok_or_else(|| format!("'{text}' is no vector; give three numbers such as 1,-2,0.5"))
 }
 
-impl UserScene {
+impl SceneFile {
     /// The case of the scene file, if one is given: flags stand above the TOML, the TOML above the
     /// scene file, and what nobody says is fitted to the geometry.
     ///
     /// # Errors
     /// [`Error::BadInput`] or [`Error::Read`] in one sentence.
     pub fn case(&self) -> Result<Option<Case>> {
+        self.case_with(|_| {})
+    }
+
+    fn case_with(&self, change: impl FnOnce(&mut Settings)) -> Result<Option<Case>> {
         let Some(path) = &self.scene else { return Ok(None) };
         let beside = path.with_extension("toml");
         let mut settings = match &self.config {
@@ -65,11 +77,23 @@ impl UserScene {
             settings.light.direction = self.light_dir;
             settings.light.position = self.light_pos;
         }
-        settings.map.size = self.map.or(settings.map.size);
-        settings.map.format = self.format.clone().or(settings.map.format);
-        settings.lookup.bias = self.bias.or(settings.lookup.bias);
+        change(&mut settings);
         let name = path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned());
         case(&name, load::load(path, &Limits::default())?, &settings).map(Some)
+    }
+}
+
+impl UserScene {
+    /// [`SceneFile::case`] with the map and bias of these flags.
+    ///
+    /// # Errors
+    /// As [`SceneFile::case`].
+    pub fn case(&self) -> Result<Option<Case>> {
+        self.file.case_with(|settings| {
+            settings.map.size = self.map.or(settings.map.size);
+            settings.map.format = self.format.clone().or(settings.map.format.take());
+            settings.lookup.bias = self.bias.or(settings.lookup.bias);
+        })
     }
 }
 

@@ -5,6 +5,7 @@ pub mod chain;
 pub mod config;
 pub mod fit;
 pub mod load;
+pub mod matrix;
 pub mod pipeline;
 pub mod shapes;
 

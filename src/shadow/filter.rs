@@ -1,7 +1,7 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
 use super::footprint::Footprint;
-use super::{ShadowMap, sampler};
+use super::{Few, ShadowMap, sampler};
 use crate::device::{Device, NearestCoord};
 use crate::scene::{Filter, TexelFormat, Wrap};
 
@@ -21,8 +21,8 @@ pub trait Texels {
 /// NEAREST, one of four for LINEAR, nine of one for 3×3 PCF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taps {
-    depths: Vec<f32>,
-    texels: Vec<u32>,
+    depths: Few<f32>,
+    texels: Few<u32>,
     texels_per_tap: usize,
     /// Weights that add up to 1; empty where all taps weigh the same.
     weights: Vec<f64>,
@@ -74,6 +74,15 @@ impl ShadowMap {
     /// Reads the map at (u, v).
     #[must_use]
     pub fn taps(&self, device: &Device, filter: Filter, wrap: Wrap, u: f32, v: f32) -> Taps {
+        if filter == Filter::Nearest {
+            let texel = self.nearest(device, wrap, u, v);
+            return Taps {
+                depths: Few::One(self.depth(device, texel as usize)),
+                texels: Few::One(texel),
+                texels_per_tap: 1,
+                weights: Vec::new(),
+            };
+        }
         let mut footprint = Footprint::default();
         let fixed = fixed_coordinates(device, self.format());
         footprint.place(filter, wrap, self.size(), fixed, [u, v]);
@@ -102,7 +111,7 @@ pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint) -> Taps {
     if footprint.mixed.is_some() {
         let depth = mixed_depth(map, device, footprint);
         let texels = taps.iter().map(|tap| tap.texel).collect();
-        return Taps { depths: vec![depth], texels, texels_per_tap: 4, weights: Vec::new() };
+        return Taps { depths: Few::One(depth), texels, texels_per_tap: 4, weights: Vec::new() };
     }
     Taps {
         depths: taps.iter().map(|tap| map.depth(device, tap.texel as usize)).collect(),

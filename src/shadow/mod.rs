@@ -1,6 +1,7 @@
 //! The shadow map: stored texels with the triangle that drew each, and how they are read back.
 
 pub mod bias;
+mod few;
 mod filter;
 mod footprint;
 mod lookup;
@@ -9,6 +10,7 @@ pub mod sampler;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
+pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mixed_depth, read};
 pub use footprint::{Footprint, Mix, Tap};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
@@ -66,6 +68,26 @@ impl ShadowMap {
         let texel = |(i, &z): (usize, &f32)| if covered(i) { z } else { clear };
         let depths = depth.iter().enumerate().map(texel).collect();
         Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Memory::Depths(depths) }
+    }
+
+    /// A map of packed texels, row by row from the bottom.
+    ///
+    /// # Panics
+    /// Unless there are size² texels.
+    #[must_use]
+    pub fn from_bytes(size: u32, packing: Packing, bytes: Vec<[u8; 4]>) -> Self {
+        assert_eq!(bytes.len(), size as usize * size as usize, "texels of a square");
+        Self { size, format: TexelFormat::Packed(packing), texels: Memory::Bytes(bytes) }
+    }
+
+    /// A map of depths as the sampler returns them, row by row from the bottom.
+    ///
+    /// # Panics
+    /// Unless there are size² texels.
+    #[must_use]
+    pub fn from_depths(size: u32, format: DepthFormat, depths: Vec<f32>) -> Self {
+        assert_eq!(depths.len(), size as usize * size as usize, "texels of a square");
+        Self { size, format: TexelFormat::Depth(format), texels: Memory::Depths(depths) }
     }
 
     /// Texels per side.

@@ -32,9 +32,14 @@ impl Options {
 #[must_use]
 pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
     let effort = Effort { samples: options.samples(), seed: options.seed };
-    let stresses = run(&effort, done);
+    render(options, &run(&effort, done))
+}
+
+/// The report of stresses that were run with these options.
+#[must_use]
+pub fn render(options: &Options, stresses: &[Stress]) -> Report {
     let rows: Vec<&Row> = stresses.iter().flat_map(|s| &s.rows).collect();
-    let table = verdicts("verdicts", &stresses);
+    let table = verdicts("verdicts", stresses);
     let mut overview = Section::new("overview", "Verdicts", OVERVIEW);
     overview.push(table.clone());
     let mut sections = vec![overview];
@@ -50,11 +55,12 @@ pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
         lead: lead(&rows),
         profile: options.profile,
         seed: options.seed,
-        parameters: BTreeMap::from([("samples".to_string(), effort.samples.to_string())]),
+        parameters: BTreeMap::from([("samples".to_string(), options.samples().to_string())]),
         command: format!("gnomon-stress{}", if quick { flag } else { "" }),
         sections,
-        results: results(options, &stresses),
+        results: results(options, stresses),
         results_csv: Some(table),
+        vectors_only: true,
         ..Report::default()
     }
 }
@@ -62,6 +68,9 @@ pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
 const OVERVIEW: &str = "The predicted onset is a formula, evaluated before anything is drawn; the \
 measured onset is where the subject's own code first shows the event. A row without an onset holds over \
 the whole range.";
+
+const CAPTION: &str = "Points are measured, dashes are theory; vertical lines mark the onsets that theory \
+gave beforehand.";
 
 fn lead(rows: &[&Row]) -> Vec<String> {
     let agreeing = rows.iter().filter(|r| r.agrees()).count();
@@ -89,8 +98,12 @@ fn verdicts(id: &str, stresses: &[Stress]) -> Table {
         .column("parameter", "", "What is driven to its extreme.")
         .column("predicted", "", "Onset by formula, before the run; none where it never happens.")
         .column("measured", "", "Onset on the subject's code; none where it was not seen.")
-        .column("relative error", "", "|measured − predicted| / predicted.")
-        .column("finding", "", "What happens there, and why.");
+        .column("difference", "", "|measured − predicted| / predicted.")
+        .column(
+            "event",
+            "",
+            "What begins at the onset, or never does; why stands beside the figure.",
+        );
     for stress in stresses {
         table.rows.extend(stress.rows.iter().map(|row| cells(stress, row)));
     }
@@ -107,8 +120,8 @@ fn cells(stress: &Stress, row: &Row) -> Vec<Cell> {
         stress.parameter.into(),
         Cell::number(row.forecast.onset),
         Cell::number(row.measured),
-        Cell::number(error.is_finite().then_some(error)),
-        row.sentence().into(),
+        if error.is_finite() { Cell::Percent(error) } else { Cell::Missing },
+        row.forecast.event.as_str().into(),
     ]
 }
 
@@ -117,7 +130,7 @@ fn section(stress: &Stress) -> Section {
     // A row of one: figures at half the page's width.
     section.push(Block::Row(vec![Block::Plot(plot(stress))]));
     for row in &stress.rows {
-        section.push(format!("{}: {}. {}", row.forecast.name, row.verdict(), row.sentence()));
+        section.push(format!("{}: {}", row.forecast.name, row.sentence()));
     }
     section
 }
@@ -148,7 +161,7 @@ fn plot(stress: &Stress) -> Plot {
     Plot {
         id: format!("{}-plot", stress.id),
         title: stress.title.to_string(),
-        caption: stress.lead.clone(),
+        caption: CAPTION.to_string(),
         x: Axis { scale: stress.scale, ..Axis::linear(stress.parameter) },
         y: Axis::log(stress.error),
         series: std::iter::once(theory).chain(measured).collect(),

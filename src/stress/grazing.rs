@@ -209,5 +209,5 @@ pub(super) fn edge_on(_: &Effort) -> Stress {
 }
 
 fn text(value: f64) -> String {
-    crate::report::number::significant(value, 4)
+    crate::report::number::pretty(value, 4)
 }

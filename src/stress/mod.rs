@@ -18,6 +18,7 @@ mod row;
 mod sampling;
 mod search;
 mod sheet;
+mod ties;
 
 pub use row::{AGREEMENT, Fate, Forecast, Row, Stress};
 pub use sheet::Sheet;
@@ -51,6 +52,7 @@ const ALL: &[fn(&Effort) -> Stress] = &[
     clipping::near_plane,
     depths::vanishing,
     depths::one,
+    ties::comparisons,
     sampling::commensurate,
     mediump::coordinates,
     mediump::digits,

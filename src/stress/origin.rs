@@ -131,7 +131,7 @@ pub(super) fn transform(effort: &Effort) -> Stress {
     let bounded = if share <= 1.0 { "never exceeds" } else { "exceeds" };
     let note = format!(
         "The error {bounded} γ₄Σ|m||p|; the largest share of that bound is {}.",
-        crate::report::number::significant(share, 2)
+        crate::report::number::pretty(share, 2)
     );
     let row = forecast.met(measured, worst.iter().map(|&(d, w)| (d, w.0)).collect()).noting(note);
     Stress {

@@ -91,6 +91,31 @@ impl Store {
         phases(samples).map(error).fold(0.0, f64::max)
     }
 
+    /// The largest error of a stored window depth around `window`: the depth is rounded to f32 before
+    /// it is stored, rounded to a step of the format, and what is read is rounded to f32 again.
+    ///
+    /// ½ulp + ½q + ½ulp for UNORM codes; a float's code is read exactly, ½ulp + ½q, and f32 is its own
+    /// format, ½ulp. Above ½ a 24-bit code loses nothing: f32 has 2²³ values there, one code each,
+    /// k = j − 1 for j·2⁻²⁴, and k/(2²⁴ − 1) lies within 2⁻²⁵ of j·2⁻²⁴ and rounds back to it.
+    fn depth_error(self, window: f32) -> f64 {
+        let ulp = DepthFormat::F32.quantum(window);
+        let step = self.format.quantum(window);
+        match self.format {
+            DepthFormat::F32 => ulp / 2.0,
+            DepthFormat::Unorm24 if window > 0.5 => ulp / 2.0,
+            format if format.unorm_max().is_some() => step / 2.0 + ulp,
+            _ => step / 2.0 + ulp / 2.0,
+        }
+    }
+
+    /// [`Self::depth_error`] in world units, the larger at both ends of a step: it may cross a binade.
+    fn error_bound(self, distance: f64) -> f64 {
+        let step = self.quantum_world(distance).min(0.5 * distance);
+        let ends = [distance, distance - step].map(|z| self.depth_error(self.window(z)));
+        let error = ends[0].max(ends[1]) * self.mapping.world_per_window(distance);
+        error.min(self.mapping.far())
+    }
+
     /// nf/(f − n), or n for an infinite far plane: window depth is ∓this/Z plus a constant.
     fn scale(self) -> f64 {
         let (n, f) = (self.mapping.near(), self.mapping.far());
@@ -125,11 +150,10 @@ impl Store {
 fn at_distance(effort: &Effort, (kind, format): (MappingKind, DepthFormat)) -> Row {
     let store = Store::new(kind, format, RATIO);
     let distances = ladder(0.2, 0.999 * NEAR * RATIO, 20);
-    let half = |z: f64| (store.quantum_world(z) / 2.0).min(store.mapping.far());
     let event = "no constant bias parts two plates 1 cm apart";
     let formula = "Z(Z − t) = K·t/q with K = nf/(f − n), q the format's step";
     let forecast = Forecast::at(Fate::Breaks, store.first_merged(), store.name(), event, formula)
-        .curve(&distances, half);
+        .curve(&distances, |z| store.error_bound(z));
     let measured = onset(0.2, 1e7, 700, |z| !store.usable(z, effort.samples));
     let curve = distances.iter().map(|&z| (z, store.error(z, effort.samples))).collect();
     let at_far = store.quantum_world(0.999 * store.mapping.far());
@@ -144,7 +168,7 @@ pub(super) fn distances(effort: &Effort) -> Stress {
         title: "Distance from the light, far/near = 10⁹ and infinite",
         lead: "Two plates facing the light, 1 cm apart, near plane at 0.1: from which distance on does \
                no constant bias part them? The curve is the largest error of a stored distance, the \
-               theory half a step of the format."
+               theory the sum of its roundings: to f32, to a step of the format, to f32 when read."
             .to_string(),
         parameter: "distance from the light [world units]",
         error: "error of the stored distance [world units]",
@@ -171,8 +195,7 @@ fn at_ratio(effort: &Effort, kind: MappingKind, format: DepthFormat) -> Row {
             Forecast::at(Fate::Breaks, onset, name, event, formula)
         }
     };
-    let half = |r: f64| store(r).quantum_world(0.999 * far(r)) / 2.0;
-    let forecast = forecast.curve(&ratios, |r| half(r).min(far(r)));
+    let forecast = forecast.curve(&ratios, |r| store(r).error_bound(0.999 * far(r)));
     let bad = |r: f64| !store(r).usable(far(r), effort.samples);
     let measured = onset(10.0, RATIO, 500, bad);
     let error = |&r: &f64| (r, store(r).error(0.999 * far(r), effort.samples));
@@ -199,5 +222,5 @@ pub(super) fn ratios(effort: &Effort) -> Stress {
 }
 
 fn text(value: f64) -> String {
-    crate::report::number::significant(value, 3)
+    crate::report::number::pretty(value, 3)
 }

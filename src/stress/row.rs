@@ -143,7 +143,7 @@ impl Row {
 }
 
 fn text(value: f64) -> String {
-    number::significant(value, 4)
+    number::pretty(value, 4)
 }
 
 #[cfg(test)]

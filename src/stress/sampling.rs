@@ -52,7 +52,7 @@ pub(super) fn commensurate(_: &Effort) -> Stress {
     let worst = jitter.iter().map(|p| p.1).fold(0.0, f64::max);
     let note = format!(
         "The worst jittered error is {}, with as many samples.",
-        crate::report::number::significant(worst, 2)
+        crate::report::number::pretty(worst, 2)
     );
     let aligned = Forecast::at(
         Fate::Degrades,

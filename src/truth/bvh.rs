@@ -146,6 +146,17 @@ impl Tracer {
         contacts.first_hit(&segment, |id| self.corners[id as usize])
     }
 
+    /// Where triangle `id` alone blocks the segment: the position that [`Self::first_hit`] gives if
+    /// that triangle is the first; `None` where the segment does not pass through its inside.
+    #[must_use]
+    pub fn hit_of(&self, id: u32, from: DVec3, to: DVec3) -> Option<f64> {
+        let segment = self.segment(from, to);
+        match segment.meet(id, &self.corners[id as usize]) {
+            Meeting::Contact(contact) if contact.is_inside() => Some(contact.t),
+            _ => None,
+        }
+    }
+
     fn segment(&self, from: DVec3, to: DVec3) -> Segment {
         Segment::of_scene(from, to, self.extent)
     }

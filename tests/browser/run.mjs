@@ -91,20 +91,22 @@ const tests = {
       for (const view of [0, 1]) {
         explorer.panes[0].index = view;
         explorer.draw();
-        // The best of six batches: what the machine's other work leaves alone.
-        const batch = (from) => {
+        // One second's drag over the whole range, in six parts; the best part, which the machine's other
+        // work left alone, and the worst.
+        const part = (from) => {
           const start = performance.now();
-          for (let i = from; i < 60; i += 6) { explorer.set(explorer.valueAt(i / 59)); explorer.draw(); }
+          for (let i = from; i < from + 10; i++) { explorer.set(explorer.valueAt(i / 59)); explorer.draw(); }
           return 10000 / (performance.now() - start);
         };
-        rates.push(Math.max(...[0, 1, 2, 3, 4, 5].map(batch)));
+        const parts = [0, 10, 20, 30, 40, 50].map(part);
+        rates.push({ best: Math.max(...parts), worst: Math.min(...parts) });
       }
       return rates;
     });
-    console.log(`  updates a second: ${rates.map((rate) => rate.toFixed(0)).join(" with 1 tap, ")} with 9; page of 512 x 512 x 10 breakpoints opened in ${took} ms`);
+    console.log(`  updates a second: ${rates.map(({ best, worst }) => `${best.toFixed(0)} (worst part ${worst.toFixed(0)})`).join(" with 1 tap, ")} with 9; page of 512 x 512 x 10 breakpoints opened in ${took} ms`);
     const least = Number(process.env.GNOMON_LEAST_RATE ?? 20);
-    assert.ok(rates[0] >= least, `1 tap: ${rates[0]}`);
-    assert.ok(rates[1] >= least, `9 taps: ${rates[1]}`);
+    assert.ok(rates[0].best >= least, `1 tap: ${rates[0].best}`);
+    assert.ok(rates[1].best >= least, `9 taps: ${rates[1].best}`);
     await close();
   },
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use gnomon::analysis::documents::{Options, Which, report};
+use gnomon::analysis::documents::{Options, report};
 use gnomon::conformance::device_json;
 use gnomon::device::DeviceProfile;
 use gnomon::report::explorer::{Explorer, Values};
@@ -88,7 +88,7 @@ fn with(explorer: Explorer) -> Report {
 
 /// The quick report of the documents, as it is committed.
 fn documents() -> Report {
-    let options = Options { profile: Profile::Quick, seed: 1, which: Which::All, device: None };
+    let options = Options { profile: Profile::Quick, ..Options::default() };
     report(&options, || {}).unwrap()
 }
 

@@ -8,7 +8,7 @@ mod sample;
 use std::path::Path;
 
 use gnomon::output::{self, OutFile};
-use gnomon::report::{Block, Cell, Report, Section, Size, Table, number};
+use gnomon::report::{Block, Cell, Report, Section, Size, Table, Tile, number};
 
 fn bytes<'a>(files: &'a [OutFile], name: &str) -> &'a [u8] {
     let file = files.iter().find(|file| file.name == name);
@@ -213,6 +213,44 @@ fn with_blocks(blocks: Vec<Block>) -> Report {
 #[should_panic(expected = "are called 'rates'")]
 fn two_blocks_with_one_id_are_a_bug() {
     let _ = with_blocks(vec![sample::table().into(), sample::table().into()]).files();
+}
+
+#[test]
+fn a_gallery_shows_pictures_again() {
+    let page = text(&sample::report().files(), "index.html");
+    let (_, gallery) = page.split_once("<ul class=\"gallery\">").unwrap();
+    let (gallery, _) = gallery.split_once("</ul>").unwrap();
+    assert_eq!(gallery.matches("<a href=\"#tables\">").count(), 2);
+    for image in gallery.split("src=\"").skip(1) {
+        let (data, _) = image.split_once('"').unwrap();
+        assert_eq!(page.matches(data).count(), 2, "the same bytes as its picture");
+    }
+}
+
+#[test]
+#[should_panic(expected = "no picture is called 'missing'")]
+fn a_tile_without_its_picture_is_a_bug() {
+    let (to, title, text) = ("#a".into(), "a".into(), String::new());
+    let tile = Tile { picture: "missing".into(), to, title, text };
+    let _ = with_blocks(vec![Block::Gallery(vec![tile])]).files();
+}
+
+#[test]
+fn the_committed_index_lists_the_committed_reports() {
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
+    let scratch = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(&reports).unwrap() {
+        let folder = entry.unwrap().path();
+        let summary = folder.join("report.json");
+        if summary.is_file() {
+            let copy = scratch.path().join(folder.file_name().unwrap());
+            std::fs::create_dir(&copy).unwrap();
+            std::fs::copy(summary, copy.join("report.json")).unwrap();
+        }
+    }
+    let fresh = gnomon::report::write_index(scratch.path()).unwrap();
+    let committed = std::fs::read_to_string(reports.join("index.html")).unwrap();
+    assert!(std::fs::read_to_string(fresh).unwrap() == committed, "reports/index.html is old");
 }
 
 #[test]

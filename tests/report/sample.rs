@@ -3,7 +3,7 @@
 
 use gnomon::report::{
     Axis, Block, Cell, Colour, ExrImage, Finding, HeatMap, Marker, Picture, Plot, Report, Scale,
-    Section, Series, Style, Table, Verdict, Warning,
+    Section, Series, Style, Table, Tile, Verdict, Warning,
 };
 use serde_json::json;
 
@@ -78,7 +78,7 @@ fn small(id: &str, title: &str, y: Scale, points: Vec<(f64, f64)>) -> Plot {
         title: title.into(),
         caption: format!("{title}."),
         x: Axis::linear("distance [world length]"),
-        y: Axis { label: "error [codes]".into(), scale: y, range: None },
+        y: Axis { label: "error [codes]".into(), scale: y, ..Axis::default() },
         series: vec![series("measured", Style::Line, Colour::Green, points)],
         markers: vec![],
     }
@@ -105,7 +105,7 @@ pub(crate) fn eight() -> Plot {
         y: Axis {
             label: "stored − exact [window depth]".into(),
             scale: Scale::SymLog { linear: 1e-4 },
-            range: None,
+            ..Axis::default()
         },
         series: (0..8)
             .map(|i| {
@@ -119,6 +119,7 @@ pub(crate) fn eight() -> Plot {
 
 fn curves() -> Section {
     let mut section = Section::new("curves", "Curves", "Each plot has awkward data.");
+    section.push(windows());
     section.push(trade_off());
     section.push(eight());
     section.push(Block::Row(vec![
@@ -266,9 +267,34 @@ pub(crate) fn exr() -> ExrImage {
     }
 }
 
+/// A picture as the way to a section.
+fn tile(picture: &str) -> Tile {
+    Tile {
+        picture: picture.into(),
+        to: "#tables".into(),
+        title: format!("{picture}, small"),
+        text: "leads to the tables".into(),
+    }
+}
+
+/// Ranges of two categories; the second has none.
+fn windows() -> Plot {
+    let points = vec![(1e-4, 0.0), (1e-2, 0.0), (f64::NAN, f64::NAN)];
+    let series = Series { name: "usable".into(), style: Style::Bar, colour: Colour::Green, points };
+    Plot {
+        id: "windows".into(),
+        title: "Usable biases".into(),
+        x: Axis::log("bias [window depth]"),
+        y: Axis::named(vec!["plane".into(), "fence".into()]),
+        series: vec![series],
+        ..Plot::default()
+    }
+}
+
 fn pictures() -> Section {
     let mut section = Section::new("pictures", "Pictures", "Same colours everywhere.");
     section.push(Block::Row(vec![picture("classes").into(), picture("shaded").into()]));
+    section.push(Block::Gallery(vec![tile("classes"), tile("shaded")]));
     section.push(exr());
     section
 }

@@ -1,12 +1,15 @@
 //! One case on the page: verdict, pictures, trade-off curve, numbers.
 
-use super::{explore, layers, shade};
+use super::{explore, layers, overview, shade};
+use crate::analysis::budget::Budget;
 use crate::analysis::classify::Artifact;
+use crate::analysis::formats;
 use crate::analysis::ladder::Rung;
 use crate::analysis::measure::Measured;
 use crate::analysis::measurement::{Measurement, Wrongs};
+use crate::analysis::sweep::Field;
 use crate::report::{
-    Axis, Block, Cell, Colour, Column, Marker, Plot, Section, Series, Style, Table,
+    Axis, Block, Cell, Colour, Column, HeatMap, Marker, Plot, Section, Series, Style, Table,
 };
 
 /// Colour of false shadow and false light in every curve.
@@ -19,6 +22,7 @@ pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: 
     let observer = &measured.observer;
     let mut section =
         Section::new(m.name.clone(), format!("{} ({})", m.name, m.document), m.verdict.clone())
+            .called(m.name.clone())
             .folded();
     let shaded = shade::shaded(observer, &measured.observations, step);
     let exr = layers::layers(observer, &measured.observations, step, &shaded.rgb);
@@ -29,6 +33,9 @@ pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: 
     ]));
     section.push(explore::explorer(measured, compared, step));
     section.push(curve(measured));
+    let field = Field::new(observer.case(), step);
+    section.push(formats_by_bias(&m.name, &field));
+    section.push(Budget::of(&field).sentence(&m.name));
     section.push(numbers(m));
     section.push(causes(m));
     section.push(assumptions(m));
@@ -107,6 +114,16 @@ fn curve(measured: &Measured<'_>) -> Plot {
         .flatten()
         .collect(),
     }
+}
+
+/// Wrong verdicts under each format at each bias.
+fn formats_by_bias(name: &str, field: &Field<'_>) -> HeatMap {
+    let row = |m: formats::Measured| {
+        (m.name(), overview::columns().into_iter().map(|(i, _)| m.wrong[i]).collect())
+    };
+    let rows = formats::measure(field).into_iter().map(row).collect();
+    let title = format!("{name}: wrong verdicts, format by bias");
+    overview::heat_map(&format!("{name}-formats"), &title, "format", rows)
 }
 
 fn numbers(m: &Measurement) -> Table {

@@ -1,17 +1,24 @@
 //! The documents' systems measured end to end, and the report that shows them.
 
+mod ask;
 mod case_page;
 mod device_panel;
 mod explore;
 pub mod findings;
 mod layers;
+pub mod overview;
 mod probes;
 mod shade;
 
-use super::measure::measure;
+pub use ask::Ask;
+
+use super::captured::Captured;
+use super::curve::Curve;
+use super::effort::{self, Effort};
+use super::measure::{Measured, measure_by, measure_captured};
 use super::measurement::Measurement;
 use crate::device::DeviceProfile;
-use crate::report::{Cell, Column, Finding, Profile, Report, Section, Table, Verdict};
+use crate::report::{Finding, Profile, Report, Section};
 use crate::scene::{Case, Cull, Filter, cases};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -30,6 +37,10 @@ pub struct Options {
     pub which: Which,
     /// Another device than the cases' own.
     pub device: Option<DeviceProfile>,
+    /// How it is measured; the results do not depend on it.
+    pub effort: Effort,
+    /// A map to be looked up in place of the one that the case draws.
+    pub captured: Option<Captured>,
 }
 
 /// The cases of a run.
@@ -41,6 +52,19 @@ pub enum Which {
     Named(String),
     /// A user's own.
     Own(Box<Case>),
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            profile: Profile::Full,
+            seed: 1,
+            which: Which::All,
+            device: None,
+            effort: Effort::default(),
+            captured: None,
+        }
+    }
 }
 
 impl Options {
@@ -107,22 +131,29 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     let page = |case: &Case| {
         let variants = variants(case);
         let (measured, compared) = rayon::join(
-            || measure(case, step),
-            || variants.par_iter().map(|variant| measure(variant, step)).collect::<Vec<_>>(),
+            || measured(case, options),
+            || {
+                let variant = |variant| measure_by(variant, step, options.effort);
+                variants.par_iter().map(variant).collect::<Vec<_>>()
+            },
         );
-        let section = case_page::section(&measured, &compared, step);
+        let mut sections = vec![case_page::section(&measured, &compared, step)];
+        if !matches!(options.which, Which::All) {
+            sections.push(work(&measured));
+        }
         progress();
-        let compared: Vec<_> = compared.into_iter().map(|c| c.measurement).collect();
-        (measured.measurement, (section, compared))
+        Page {
+            sections,
+            wrong: wrong_shares(&measured.curve),
+            measurement: measured.measurement,
+            compared: compared.into_iter().map(|c| c.measurement).collect(),
+        }
     };
     let device = options.device.unwrap_or(DeviceProfile::WebglSwiftshader).device();
-    let (measured, probes) = rayon::join(
-        || cases.par_iter().map(page).unzip::<_, _, Vec<_>, Vec<_>>(),
-        || probes::probes(&device),
-    );
-    let (measurements, pages) = measured;
-    let (sections, compared): (Vec<_>, Vec<Vec<Measurement>>) = pages.into_iter().unzip();
-    let compared = compared.concat();
+    let (pages, probes) =
+        rayon::join(|| cases.par_iter().map(page).collect::<Vec<_>>(), || probes::probes(&device));
+    let measurements: Vec<_> = pages.iter().map(|page| &page.measurement).collect();
+    let compared: Vec<_> = pages.iter().flat_map(|page| &page.compared).collect();
     let mut results = json!({
         "schema": SCHEMA,
         "profile": options.profile.name(),
@@ -133,7 +164,45 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     });
     let findings = findings::evaluate(&findings::by_name(&results));
     results["findings"] = findings.iter().map(finding_json).collect();
-    Ok(assemble(options, &measurements, sections, findings, results))
+    Ok(assemble(options, pages, findings, results))
+}
+
+/// A case's part of the report.
+struct Page {
+    measurement: Measurement,
+    compared: Vec<Measurement>,
+    sections: Vec<Section>,
+    /// Share of wrong receivers at the biases of [`overview::columns`].
+    wrong: Vec<f64>,
+}
+
+fn wrong_shares(curve: &Curve) -> Vec<f64> {
+    let receivers = curve.populations().iter().sum::<u64>().max(1) as f64;
+    let at = |(_, bias): (usize, f32)| {
+        let errors = curve.at(bias);
+        (errors.false_shadow + errors.false_light) as f64 / receivers
+    };
+    overview::columns().into_iter().map(at).collect()
+}
+
+fn measured<'c>(case: &'c Case, options: &Options) -> Measured<'c> {
+    match &options.captured {
+        None => measure_by(case, options.step(), options.effort),
+        Some(captured) => measure_captured(case, options.step(), options.effort, captured),
+    }
+}
+
+/// What the skips saved on one case.
+fn work(measured: &Measured<'_>) -> Section {
+    let id = format!("{}-work", measured.measurement.name);
+    let mut section = Section::new(
+        id.clone(),
+        "Work done and left out",
+        "No result depends on what is left out; --no-skip works everything out.",
+    )
+    .folded();
+    section.push(effort::table(&format!("{id}-table"), &measured.work));
+    section
 }
 
 fn finding_json(finding: &Finding) -> Value {
@@ -145,118 +214,35 @@ fn finding_json(finding: &Finding) -> Value {
     })
 }
 
-fn assemble(
-    options: &Options,
-    measurements: &[Measurement],
-    sections: Vec<Section>,
-    findings: Vec<Finding>,
-    results: Value,
-) -> Report {
-    let table = summary(measurements);
+fn assemble(options: &Options, pages: Vec<Page>, findings: Vec<Finding>, results: Value) -> Report {
+    let split = |page: Page| (page.measurement, (page.wrong, page.sections));
+    let (measurements, rest): (Vec<_>, Vec<_>) = pages.into_iter().map(split).unzip();
+    let (wrong, sections): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
     let mut report = Report {
         name: "documents".to_string(),
         title: "Five documents on WebGL shadow mapping, measured".to_string(),
         question: "How much acne and peter-panning do the documents' systems have, and why?"
             .to_string(),
-        lead: lead(measurements, &findings),
+        lead: overview::lead(&measurements, &findings),
         profile: options.profile,
         seed: options.seed,
         command: format!("gnomon-report --{}", options.profile),
         results,
-        results_csv: Some(table.clone()),
+        results_csv: Some(overview::numbers(&measurements)),
         ..Report::default()
     };
     report.parameters.insert("pixels".into(), format!("every {}", options.step()));
-    let mut overview = Section::new("overview", "All cases", "");
-    overview.push(table);
     let mut found = Section::new(
         "findings",
         "What the documents get wrong or leave out",
         "Each sentence follows the measured numbers: it turns over when they do.",
     );
     found.push(findings);
-    report.sections.extend([overview, found]);
-    report.sections.extend(sections);
+    report.sections.extend([overview::section(&measurements, wrong), found]);
+    report.sections.extend(sections.concat());
     report.sections.push(device_panel::section());
     report.sections.push(method());
     report
-}
-
-fn lead(measurements: &[Measurement], findings: &[Finding]) -> Vec<String> {
-    let worst = |rate: fn(&Measurement) -> f64| {
-        let of_documents = measurements.iter().filter(|m| m.facts.is_empty());
-        of_documents.max_by(|a, b| rate(a).total_cmp(&rate(b)))
-    };
-    let percent = |rate: f64| crate::report::number::percent(rate, 3);
-    let mut lead = Vec::new();
-    if let Some(m) = worst(|m| m.false_shadow.rate).filter(|m| m.false_shadow.count > 0) {
-        lead.push(format!(
-            "Most false shadow among the documents: {} ({} of its lit receivers at its bias {}).",
-            m.name,
-            percent(m.false_shadow.rate),
-            m.bias
-        ));
-    }
-    if let Some(m) = worst(|m| m.false_light.rate).filter(|m| m.false_light.count > 0) {
-        lead.push(format!(
-            "Most false light among the documents: {} ({} of its shadowed receivers).",
-            m.name,
-            percent(m.false_light.rate)
-        ));
-    }
-    let of = |v: Verdict| findings.iter().filter(|f| f.verdict == v).count();
-    lead.push(format!(
-        "{} of {} claims about the documents are borne out by these numbers, {} contradicted, {} undecided.",
-        of(Verdict::Supported),
-        findings.len(),
-        of(Verdict::Contradicted),
-        of(Verdict::Undecided),
-    ));
-    lead
-}
-
-fn summary(measurements: &[Measurement]) -> Table {
-    let column = |name: &str, unit: &str| Column {
-        name: name.to_string(),
-        unit: unit.to_string(),
-        ..Column::default()
-    };
-    let row = |m: &Measurement| {
-        let depth = |b: Option<f32>| Cell::number(b.map(f64::from));
-        vec![
-            Cell::Link { text: m.name.clone(), to: format!("#{}", m.name) },
-            m.format.into(),
-            Cell::count(m.map_size),
-            Cell::Number(f64::from(m.bias), 4),
-            Cell::count(m.lit),
-            Cell::Percent(m.false_shadow.rate),
-            Cell::count(m.shadowed),
-            Cell::Percent(m.false_light.rate),
-            Cell::count(m.samples.ambiguous),
-            depth(m.thresholds.critical),
-            depth(m.thresholds.detachment),
-            Cell::number(m.peter_panning.map(|l| l.world)),
-        ]
-    };
-    Table {
-        id: "cases".to_string(),
-        caption: "Every case at its own bias, against the ray-traced truth".to_string(),
-        columns: vec![
-            column("case", ""),
-            column("format", ""),
-            column("map", "texels"),
-            column("bias", "window depth"),
-            column("lit", "receivers"),
-            column("false shadow", ""),
-            column("shadowed", "receivers"),
-            column("false light", ""),
-            column("ambiguous", "receivers"),
-            column("critical bias", "window depth"),
-            column("detachment bias", "window depth"),
-            column("peter-panning", "world units"),
-        ],
-        rows: measurements.iter().map(row).collect(),
-    }
 }
 
 fn method() -> Section {

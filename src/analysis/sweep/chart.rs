@@ -2,6 +2,8 @@
 
 use super::field::{Field, Sample};
 use super::looks::Looks;
+use super::reading::Reading;
+use super::store::Decoded;
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
@@ -9,6 +11,7 @@ use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, draw};
 use crate::scene::{DepthBuffer, Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Recipe, Site, Weights};
 use crate::shadow::{self, Footprint};
+use std::sync::{Arc, Mutex};
 
 /// The formats of one raster: colour-packed passes keep the case's depth attachment and fixed-point
 /// coordinates, depth textures are their own attachment.
@@ -69,6 +72,8 @@ pub struct Chart<'f, 'a> {
     pub(super) footprints: Vec<Footprint>,
     pub(super) casters: Vec<Vec<StoredCaster>>,
     pub(super) sites: Vec<Site>,
+    /// Depths that texels return, by format, each decoded when it is first read.
+    pub(super) decoded: Mutex<Vec<(TexelFormat, Arc<Decoded>)>>,
 }
 
 impl<'f, 'a> Chart<'f, 'a> {
@@ -104,7 +109,19 @@ impl<'f, 'a> Chart<'f, 'a> {
         };
         let casters = field.samples.iter().zip(&footprints).map(of).collect();
         let sites = field.samples.iter().map(|s| field.site(s, size)).collect();
-        Self { field, size, filter, attachment, raster, fragments, footprints, casters, sites }
+        let decoded = Mutex::default();
+        Self {
+            field,
+            size,
+            filter,
+            attachment,
+            raster,
+            fragments,
+            footprints,
+            casters,
+            sites,
+            decoded,
+        }
     }
 
     pub(super) fn device(&self) -> &Device {
@@ -135,26 +152,56 @@ impl<'f, 'a> Chart<'f, 'a> {
         self.field.samples.iter().zip(&self.sites).map(of).collect()
     }
 
-    /// All comparisons under a format and a recipe. Where `weights` are given, only the casters of
-    /// taps that are wrong at the recipe's own tap bias are looked up; others read as *own*.
+    /// All comparisons of all receivers under a format and a recipe.
     #[must_use]
-    pub fn looks(
+    pub fn looks(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<Looks> {
+        let all = self.all();
+        self.read(texel, recipe, Reading::All, &all).into_iter().map(|(_, looks)| looks).collect()
+    }
+
+    /// The comparisons of those receivers that can be wrong at some tap bias ≥ 0.
+    #[must_use]
+    pub fn breakable(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<(u32, Looks)> {
+        self.read(texel, recipe, Reading::Breakable, &self.all())
+    }
+
+    /// The comparisons of those receivers of `which` that are wrong at the recipe's own tap bias; taps
+    /// that are right have no caster looked up and read as *own*.
+    #[must_use]
+    pub fn wrong(
         &self,
         texel: TexelFormat,
         recipe: &Recipe,
-        weights: Option<&[Weights]>,
-    ) -> Vec<Looks> {
+        weights: &[Weights],
+        which: &[u32],
+    ) -> Vec<(u32, Looks)> {
+        self.read(texel, recipe, Reading::Wrong(weights), which)
+    }
+
+    /// The indices of all receivers.
+    #[must_use]
+    pub fn all(&self) -> Vec<u32> {
+        (0..self.field.samples.len() as u32).collect()
+    }
+
+    fn read(
+        &self,
+        texel: TexelFormat,
+        recipe: &Recipe,
+        reading: Reading<'_>,
+        which: &[u32],
+    ) -> Vec<(u32, Looks)> {
         if recipe.moves_vertices() {
             let fragments = self.fragments_moved(recipe);
-            self.looks_resolved(texel, recipe, weights, &fragments)
+            self.looks_resolved(texel, recipe, reading, &fragments, which)
         } else if recipe.changes_map() {
-            self.looks_resolved(texel, recipe, weights, &self.fragments)
+            self.looks_resolved(texel, recipe, reading, &self.fragments, which)
         } else if recipe.moves_receiver() {
-            self.looks_moved(texel, recipe, weights)
+            self.looks_moved(texel, recipe, reading, which)
         } else {
-            let drawn = |t: u32| self.drawn(t);
             let casters = &self.casters;
-            self.looks_with(texel, recipe, None, &drawn, &|i, tap, _| (casters[i][tap], 0.0))
+            let store = self.own_store(texel);
+            self.looks_with(&store, recipe, reading, which, &|i, tap, _| (casters[i][tap], 0.0))
         }
     }
 

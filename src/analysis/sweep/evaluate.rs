@@ -3,9 +3,9 @@
 use super::chart::Chart;
 use super::looks::{self, Looks};
 use super::tally::{Curve, Kind, Tally};
+use super::values;
 use crate::scene::{CompareRule, Filter, TexelFormat};
 use crate::shadow::bias::{Family, Strategy, Weights};
-use rayon::prelude::*;
 
 /// Counts at one amount.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,50 +90,69 @@ pub fn sweep(
     };
     match strategy.family() {
         Family::Tap => by_breakpoints(chart, base, question.amounts, limit),
-        _ => by_values(chart, base, question.amounts, limit),
+        _ => values::by_values(chart, base, question.amounts, limit),
     }
 }
 
 /// Tap biases of every receiver at any amount of a strategy.
 #[derive(Debug)]
-pub struct Taps<'c> {
-    strategy: Strategy,
-    weights: &'c [Weights],
+pub struct Taps {
+    /// Weight and bound of each receiver.
+    weights: Vec<(f32, f32)>,
 }
 
-impl<'c> Taps<'c> {
+impl Taps {
     /// Of a strategy under given weights.
     #[must_use]
-    pub const fn new(strategy: Strategy, weights: &'c [Weights]) -> Self {
-        Self { strategy, weights }
+    pub fn new(strategy: Strategy, weights: &[Weights]) -> Self {
+        Self { weights: weights.iter().map(|w| w.of(strategy)).collect() }
     }
 
     /// The literal f32 bias of receiver i at an amount.
     #[must_use]
     pub fn bias(&self, i: usize, amount: f32) -> f32 {
-        self.strategy.with(amount).tap_bias(&self.weights[i])
+        let (weight, bound) = self.weights[i];
+        (amount * weight).min(bound)
     }
 
     /// Bias per amount, roughly.
     fn scale(&self, i: usize) -> f32 {
-        const SMALL: f32 = 1.0 / 65_536.0;
-        let scale = self.bias(i, SMALL) / SMALL;
-        if scale > 0.0 { scale } else { 1.0 }
+        let weight = self.weights[i].0;
+        if weight > 0.0 { weight } else { 1.0 }
     }
 
-    /// The exact curve of given comparisons.
+    /// The exact curve of the comparisons of all receivers.
     #[must_use]
     pub fn curve(&self, looks: &[Looks], rule: CompareRule) -> Curve {
+        self.curve_of(looks.iter().enumerate(), rule)
+    }
+
+    /// The exact curve of a strategy on a chart.
+    #[must_use]
+    pub fn curve_on(
+        &self,
+        chart: &Chart<'_, '_>,
+        format: TexelFormat,
+        strategy: Strategy,
+    ) -> Curve {
+        let looks = chart.breakable(format, &strategy.with(0.0));
+        let indexed = looks.iter().map(|(i, looks)| (*i as usize, looks));
+        self.curve_of(indexed, chart.field.case().lookup.compare)
+    }
+
+    fn curve_of<'l>(
+        &self,
+        looks: impl Iterator<Item = (usize, &'l Looks)>,
+        rule: CompareRule,
+    ) -> Curve {
         looks::curve(looks, rule, |i, a| self.bias(i, a), |i| self.scale(i))
     }
 }
 
 fn by_breakpoints(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limit: i64) -> Swept {
-    let rule = chart.field.case().lookup.compare;
-    let looks = chart.looks(swept.format, &swept.strategy.with(0.0), None);
     let weights = chart.weights(swept.format);
     let taps = Taps::new(swept.strategy, &weights);
-    let curve = taps.curve(&looks, rule);
+    let curve = taps.curve_on(chart, swept.format, swept.strategy);
     let point = |((&amount, tally), gap): ((&f32, Tally), f64)| Point { amount, tally, gap };
     let tallies = amounts.iter().zip(curve.at(amounts));
     swept.points = tallies.zip(curve.gaps_at(amounts)).map(point).collect();
@@ -145,69 +164,4 @@ fn by_breakpoints(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limi
         gap: curve.gaps_at(&[amount])[0],
     });
     swept
-}
-
-/// The longest way inside the true shadow of any peter-panned receiver.
-fn longest_gap(chart: &Chart<'_, '_>, looks: &[Looks], bias: impl Fn(usize) -> f32) -> f64 {
-    let rule = chart.field.case().lookup.compare;
-    let panned = |&(i, look): &(usize, &Looks)| {
-        !look.lit && look.verdict(rule, bias(i)).0 == Some(Kind::PeterPanning)
-    };
-    let inside = looks.iter().enumerate().filter(panned);
-    inside.map(|(i, _)| chart.field.samples[i].inside).fold(0.0, f64::max)
-}
-
-/// Bisections of a threshold between two evaluated amounts: 2⁻¹⁰ of their distance.
-const BISECTIONS: u32 = 10;
-
-fn by_values(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limit: i64) -> Swept {
-    let (strategy, format) = (swept.strategy, swept.format);
-    let at = |amount: f32| evaluate(chart, format, strategy, amount);
-    swept.points = amounts.par_iter().map(|&a| at(a)).collect();
-    let quiet = |p: &Point| p.tally.of(Kind::Acne) <= limit;
-    let points = &swept.points;
-    let free = points.iter().rposition(|p| !quiet(p)).map_or(0, |i| i + 1);
-    let acne_free = (free < points.len()).then(|| match free {
-        0 => points[0],
-        _ => bisect(points[free - 1].amount, points[free], at, quiet),
-    });
-    let pans = |p: &Point| p.tally.of(Kind::PeterPanning) > 0;
-    let detachment = points.iter().position(pans).map(|i| match i {
-        0 => points[0].amount,
-        _ => bisect(points[i - 1].amount, points[i], at, pans).amount,
-    });
-    (swept.acne_free, swept.detachment) = (acne_free, detachment);
-    swept
-}
-
-/// The smallest amount found between one where `wanted` does not hold and a point where it does.
-fn bisect(
-    mut without: f32,
-    mut with: Point,
-    at: impl Fn(f32) -> Point,
-    wanted: impl Fn(&Point) -> bool,
-) -> Point {
-    for _ in 0..BISECTIONS {
-        let middle = without + (with.amount - without) * 0.5;
-        if middle <= without || middle >= with.amount {
-            break;
-        }
-        let point = at(middle);
-        if wanted(&point) { with = point } else { without = middle }
-    }
-    with
-}
-
-/// The literal counts at one amount.
-fn evaluate(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy, amount: f32) -> Point {
-    let rule = chart.field.case().lookup.compare;
-    let recipe = strategy.with(amount);
-    let weights = chart.weights(format);
-    let looks = chart.looks(format, &recipe, Some(&weights));
-    let bias = |i: usize| recipe.tap_bias(&weights[i]);
-    Point {
-        amount,
-        tally: looks::literal(&looks, rule, bias),
-        gap: longest_gap(chart, &looks, bias),
-    }
 }

@@ -1,9 +1,10 @@
 //! The receivers of a case with their truth: found once, looked up under every map, format and bias.
 
+use super::moves::{self, Moves};
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::observe::{Observer, Standing};
 use crate::scene::Case;
-use crate::shadow::bias::Site;
+use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
 use glam::{DVec2, DVec3};
@@ -43,6 +44,8 @@ pub struct Field<'a> {
     pub samples: Vec<Sample>,
     /// Truly lit and truly shadowed.
     pub populations: [u64; 2],
+    /// Where receivers look under each move that was asked for, for all maps and formats.
+    pub(super) moves: Moves,
 }
 
 impl<'a> Field<'a> {
@@ -75,7 +78,22 @@ impl<'a> Field<'a> {
 
     fn of(observer: Observer<'a>, samples: Vec<Sample>) -> Self {
         let lit = samples.iter().filter(|s| s.lit).count() as u64;
-        Self { populations: [lit, samples.len() as u64 - lit], observer, samples }
+        let populations = [lit, samples.len() as u64 - lit];
+        Self { populations, observer, samples, moves: Moves::default() }
+    }
+
+    /// The same receivers, each looking from where a recipe moves it under a map of `size`² texels; those
+    /// that would land behind the light stay.
+    #[must_use]
+    pub fn looking_from(&self, recipe: &Recipe, size: u32) -> Self {
+        let case = self.case();
+        let of = |sample: &Sample| {
+            let offset = recipe.receiver_offset(&self.site(sample, size));
+            let coord = moves::moved(self, sample, offset).unwrap_or(sample.coord);
+            Sample { coord, ..sample.clone() }
+        };
+        let samples = self.samples.iter().map(of).collect();
+        Self::of(Observer::new(case, &case.device.device()), samples)
     }
 
     /// The case.

@@ -4,6 +4,7 @@
 use super::{CaseSweep, Point, Swept};
 use crate::{Error, Result};
 use serde_json::Value;
+use std::path::Path;
 
 /// A length limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +114,17 @@ pub struct Comparison {
     pub same: usize,
     /// In only one of the two runs.
     pub unmatched: usize,
+}
+
+/// The `results.json` of an older run.
+///
+/// # Errors
+/// [`Error::Read`] or [`Error::BadInput`] with the path.
+pub fn baseline(path: &Path) -> Result<Value> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
+    let fix = "give the results.json of a sweep";
+    serde_json::from_str(&text)
+        .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))
 }
 
 /// Compares the acne-free amounts and the errors there with the `results.json` of an older run.

@@ -97,19 +97,16 @@ impl Looks {
             }
             return;
         }
+        if self.lit && self.taps.iter().all(|look| rule.is_lit(look.z, look.stored, bias(0.0))) {
+            return;
+        }
         let first_lit = |look: &Look| {
             let guess = (look.z - look.stored) / scale;
             breakpoint_where(guess, |a| rule.is_lit(look.z, look.stored, bias(a)))
         };
         let breakpoints: Vec<f32> = self.taps.iter().map(first_lit).collect();
         for (look, &b) in self.taps.iter().zip(&breakpoints) {
-            let mut change = Tally::default();
-            *(if self.lit { &mut change.shadow } else { &mut change.light }) =
-                if self.lit { -look.share } else { look.share };
-            curve.from(b, change);
-            if self.lit {
-                curve.from(f32::NEG_INFINITY, Tally { shadow: look.share, ..Tally::default() });
-            }
+            curve.lights(self.lit, b, look.share);
         }
         if self.lit {
             self.darkness(&breakpoints, curve);
@@ -185,17 +182,17 @@ pub fn literal(looks: &[Looks], rule: CompareRule, bias: impl Fn(usize) -> f32) 
     tally
 }
 
-/// The counts at every amount, `bias(i, a)` being the tap bias of receiver i at amount a (monotone in
-/// a) and `scale(i)` its rough slope.
+/// The counts at every amount over receivers given with their index, `bias(i, a)` being the tap bias of
+/// receiver i at amount a (monotone in a) and `scale(i)` its rough slope.
 #[must_use]
-pub fn curve(
-    looks: &[Looks],
+pub fn curve<'l>(
+    looks: impl Iterator<Item = (usize, &'l Looks)>,
     rule: CompareRule,
-    bias: impl Fn(usize, f32) -> f32 + Sync,
-    scale: impl Fn(usize) -> f32 + Sync,
+    bias: impl Fn(usize, f32) -> f32,
+    scale: impl Fn(usize) -> f32,
 ) -> Curve {
     let mut curve = Curve::default();
-    for (i, look) in looks.iter().enumerate() {
+    for (i, look) in looks {
         look.break_down(rule, &|a| bias(i, a), scale(i), &mut curve);
     }
     curve.sorted()

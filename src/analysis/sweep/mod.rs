@@ -5,11 +5,18 @@ pub mod evaluate;
 pub mod field;
 pub mod gate;
 pub mod looks;
+mod moves;
 pub mod pictures;
 pub mod plan;
+pub(super) mod plots;
 mod reading;
 pub mod report;
+pub mod shard;
+mod store;
 pub mod tally;
+mod theory;
+mod values;
+mod verdicts;
 
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Family, Strategy};
@@ -34,6 +41,10 @@ pub struct CaseSweep {
     pub world_per_window: f64,
     /// Edge of a texel of the own map there, world units.
     pub texel_world: f64,
+    /// Bias and predicted share of acne under NEAREST at the own map size, by the closed form of planes.
+    pub theory: Vec<(f32, f64)>,
+    /// The closed form of the critical bias, where the case has one.
+    pub known_critical: Option<f64>,
     /// In the order of the plan: sizes, filters, formats, strategies.
     pub swept: Vec<Swept>,
 }
@@ -61,30 +72,37 @@ pub fn amounts(strategy: Strategy, bias: &Range, world_per_window: f64) -> Vec<f
     values
 }
 
-/// Sweeps one case along all axes of a plan.
-#[must_use]
-pub fn sweep_case(case: &Case, plan: &Plan, done: &(impl Fn() + Sync)) -> CaseSweep {
-    let field = Field::new(case, plan.step);
-    let middle = field.samples.get(field.samples.len() / 2);
-    let site = middle.map(|s| field.site(s, case.map.size));
-    let world_per_window = site.map_or(1.0, |s| 1.0 / s.window_per_world);
-    let charts = |&size: &u32| {
-        let of = |filter: &Option<_>| {
-            let filter = filter.unwrap_or(case.lookup.filter);
-            let swept = sweep_size(&field, size, filter, plan, world_per_window);
-            done();
-            swept
-        };
-        plan.filters.par_iter().map(of).collect::<Vec<_>>().concat()
-    };
-    CaseSweep {
-        name: case.name.clone(),
-        own_format: case.map.texel.name(),
-        own_size: case.map.size,
-        own_bias: case.bias,
-        world_per_window,
-        texel_world: site.map_or(0.0, |s| s.texel_world),
-        swept: plan.sizes.par_iter().map(charts).collect::<Vec<_>>().concat(),
+impl CaseSweep {
+    /// A case of which nothing is known yet.
+    #[must_use]
+    pub fn named(case: &Case) -> Self {
+        Self {
+            name: case.name.clone(),
+            own_format: case.map.texel.name(),
+            own_size: case.map.size,
+            own_bias: case.bias,
+            world_per_window: 1.0,
+            texel_world: 0.0,
+            theory: Vec::new(),
+            known_critical: case
+                .facts
+                .iter()
+                .find(|fact| fact.quantity == "critical_bias")
+                .map(|fact| fact.value),
+            swept: Vec::new(),
+        }
+    }
+
+    /// A case at its middle receiver, not swept yet.
+    #[must_use]
+    pub fn of(field: &Field<'_>) -> Self {
+        let base = Self::named(field.case());
+        let middle = field.samples.get(field.samples.len() / 2);
+        middle.map(|s| field.site(s, base.own_size)).map_or(base.clone(), |site| Self {
+            world_per_window: 1.0 / site.window_per_world,
+            texel_world: site.texel_world,
+            ..base
+        })
     }
 }
 
@@ -120,8 +138,19 @@ fn sweep_size(
     pairs.par_iter().filter_map(one).collect()
 }
 
-/// Sweeps all cases of a plan.
+/// Sweeps all cases of a plan; `done` is called after each case and map size.
+///
+/// # Panics
+/// Never: results that have just been computed can be read.
 #[must_use]
-pub fn run(plan: &Plan, done: impl Fn() + Sync) -> Vec<CaseSweep> {
-    plan.cases.par_iter().map(|case| sweep_case(case, plan, &done)).collect()
+pub fn run(plan: &Plan, done: impl Fn()) -> Vec<CaseSweep> {
+    let mut worker = shard::Worker::new(plan);
+    let compute = |item: u32| {
+        let result = worker.compute(item);
+        done();
+        result
+    };
+    let results: Vec<Vec<u8>> = (0..shard::items(plan).len() as u32).map(compute).collect();
+    let results = (0..).zip(results.iter().map(Vec::as_slice)).collect();
+    shard::assemble(plan, &results).expect("results that have just been computed can be read")
 }

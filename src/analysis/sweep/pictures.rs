@@ -52,7 +52,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
 
     fn shown(&self, strategy: Strategy, amount: f32) -> Shown {
         let weights = self.chart.weights(self.format);
-        let looks = self.chart.looks(self.format, &strategy.with(amount), None);
+        let looks = self.chart.looks(self.format, &strategy.with(amount));
         let taps = Taps::new(strategy, &weights);
         Shown { bias: (0..looks.len()).map(|i| taps.bias(i, amount)).collect(), looks }
     }

@@ -126,6 +126,14 @@ pub fn format_named(name: &str) -> Result<TexelFormat> {
     })
 }
 
+/// A filter by name; `own` is the case's.
+///
+/// # Errors
+/// [`Error::BadInput`] listing the names.
+pub fn filter_named(name: &str) -> Result<Option<Filter>> {
+    if name == "own" { Ok(None) } else { name.parse().map(Some) }
+}
+
 /// Cases by name; `documents` and `all` stand for lists.
 ///
 /// # Errors

@@ -3,46 +3,54 @@
 use super::chart::{Attachment, Chart, wanted_texels};
 use super::field::{Field, Sample};
 use super::looks::{Look, Looks};
+use super::moves::moved;
+use super::store::Store;
 use super::tally::SHARE;
 use crate::analysis::classify::StoredCaster;
 use crate::depth::DepthFormat;
-use crate::device::Device;
 use crate::raster::{Fragments, Layer, NO_TRIANGLE, Resolve};
-use crate::scene::{Cull, DepthBuffer, MapSpec, TexelFormat};
-use crate::shadow::bias::{Layers, Recipe, Site, Weights};
+use crate::scene::{Cull, DepthBuffer, TexelFormat};
+use crate::shadow::bias::{Follow, Layers, Recipe, Site, Weights};
 use crate::shadow::{self, Footprint, Texels};
 use glam::{DMat4, DVec3, DVec4, Vec4};
+use std::cell::OnceCell;
 
-/// One receiver's look-up: where, and at which tap bias only wrong taps are named.
+/// Which receivers are read, and how much of each.
+#[derive(Clone, Copy)]
+pub(super) enum Reading<'w> {
+    /// All of every receiver.
+    All,
+    /// All of those that can be wrong at a tap bias ≥ 0: truly lit ones that are lit at 0 are left out.
+    Breakable,
+    /// Those that are wrong at the recipe's own tap bias; taps that are right read as *own*.
+    Wrong(&'w [Weights]),
+}
+
+/// One receiver's look-up: where, and how much of it is read.
 struct Glance<'g> {
     sample: &'g Sample,
     coord: [f32; 3],
     footprint: &'g Footprint,
-    bias: Option<f32>,
+    /// The bias at which it is left out where every tap is right.
+    unless_right_at: Option<f32>,
+    /// Whether taps that are right there have no caster looked up.
+    brief: bool,
 }
 
-/// A map that is encoded texel by texel as it is read.
-struct Store<'s> {
-    spec: MapSpec,
-    drawn: &'s dyn Fn(u32) -> Option<f32>,
-    device: Device,
-}
-
-impl Texels for Store<'_> {
-    fn size(&self) -> u32 {
-        self.spec.size
-    }
-
-    fn format(&self) -> TexelFormat {
-        self.spec.texel
-    }
-
-    fn depth(&self, device: &Device, texel: usize) -> f32 {
-        shadow::texel_depth(device, &self.spec, (self.drawn)(texel as u32))
-    }
-
-    fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
-        shadow::texel_bytes(&self.device, &self.spec, (self.drawn)(texel as u32))
+impl<'g> Glance<'g> {
+    fn new(
+        reading: Reading<'_>,
+        recipe: &Recipe,
+        i: usize,
+        place: (&'g Sample, [f32; 3], &'g Footprint),
+    ) -> Self {
+        let (sample, coord, footprint) = place;
+        let (unless_right_at, brief) = match reading {
+            Reading::All => (None, false),
+            Reading::Breakable => (sample.lit.then_some(0.0), false),
+            Reading::Wrong(weights) => (Some(recipe.tap_bias(&weights[i])), true),
+        };
+        Self { sample, coord, footprint, unless_right_at, brief }
     }
 }
 
@@ -73,9 +81,13 @@ impl Chart<'_, '_> {
             of(|v| v.z) / of(|v| v.w)
         };
         let casters = &self.casters;
-        let mut looks = self.looks_with(texel, &Recipe::default(), None, &drawn, &|i, tap, _| {
-            (casters[i][tap], 0.0)
-        });
+        let texels = self.size as usize * self.size as usize;
+        let store = self.other_store(texel, drawn, |t| t as usize, texels);
+        let all = self.all();
+        let plain = Recipe::default();
+        let read = self
+            .looks_with(&store, &plain, Reading::All, &all, &|i, tap, _| (casters[i][tap], 0.0));
+        let mut looks: Vec<Looks> = read.into_iter().map(|(_, looks)| looks).collect();
         for (look, sample) in looks.iter_mut().zip(&self.field.samples) {
             let z = receiver(sample);
             for tap in &mut look.taps {
@@ -85,50 +97,53 @@ impl Chart<'_, '_> {
         looks
     }
 
-    /// Receivers at their own places; `drawn` gives a texel's depth, `stored` whose surface tap `tap`
-    /// of sample i holds and how far the bias moved it.
+    /// Receivers at their own places; `stored` gives whose surface tap `tap` of sample i holds and how
+    /// far the bias moved it.
     pub(super) fn looks_with(
         &self,
-        texel: TexelFormat,
+        store: &Store<'_>,
         recipe: &Recipe,
-        weights: Option<&[Weights]>,
-        drawn: &dyn Fn(u32) -> Option<f32>,
+        reading: Reading<'_>,
+        which: &[u32],
         stored: &dyn Fn(usize, usize, u32) -> (StoredCaster, f64),
-    ) -> Vec<Looks> {
-        let store = Store { spec: self.spec(texel), drawn, device: *self.device() };
-        let of = |(i, sample): (usize, &Sample)| {
-            let footprint = &self.footprints[i];
+    ) -> Vec<(u32, Looks)> {
+        let of = |&id: &u32| {
+            let i = id as usize;
+            let (sample, footprint) = (&self.field.samples[i], &self.footprints[i]);
             let caster = |tap: usize, texel: u32| stored(i, tap, texel);
-            let bias = weights.map(|w| recipe.tap_bias(&w[i]));
-            let at = Glance { sample, coord: sample.coord, footprint, bias };
-            self.look(&store, recipe, &at, &caster)
+            let at = Glance::new(reading, recipe, i, (sample, sample.coord, footprint));
+            Some((id, self.look(store, recipe, &at, &caster)?))
         };
-        self.field.samples.iter().enumerate().map(of).collect()
+        which.iter().filter_map(of).collect()
     }
 
-    /// The comparisons of one receiver.
+    /// The comparisons of one receiver; `None` where it is right at the bias that is given.
     fn look(
         &self,
         store: &Store<'_>,
         recipe: &Recipe,
         at: &Glance<'_>,
         stored: &dyn Fn(usize, u32) -> (StoredCaster, f64),
-    ) -> Looks {
-        let Glance { sample, coord, footprint, bias } = *at;
+    ) -> Option<Looks> {
+        let Glance { sample, coord, footprint, unless_right_at, brief } = *at;
         let spec = &self.field.case().lookup;
         let empty = unlooked(sample);
         if spec.range_test && !shadow::in_square(coord) {
-            return empty;
+            return (unless_right_at.is_none() || !sample.lit).then_some(empty);
         }
         let device = self.device();
         let taps = footprint.taps();
         let mixed = footprint.mixed.is_some();
+        let compared = |i: usize| {
+            coord[2] + recipe.follow.shift(sample.gradient, taps[i].sample, taps[i].centre)
+        };
+        let right = |z: f32, depth: f32| {
+            unless_right_at.is_some_and(|b| spec.compare.is_lit(z, depth, b) == sample.lit)
+        };
         let one = |i: usize, depth: f32, share: f64| {
-            let shift = recipe.follow.shift(sample.gradient, taps[i].sample, taps[i].centre);
-            let z = coord[2] + shift;
+            let z = compared(i);
             let share = (share * SHARE) as i64;
-            let right = |b: f32| spec.compare.is_lit(z, depth, b) == sample.lit;
-            if bias.is_some_and(right) {
+            if brief && right(z, depth) {
                 let caster = StoredCaster::Own;
                 return Look { z, stored: depth, share, caster, sound: true, gained: 0.0 };
             }
@@ -140,17 +155,24 @@ impl Chart<'_, '_> {
         };
         if mixed {
             let depth = shadow::mixed_depth(store, device, footprint);
+            if recipe.follow == Follow::Receiver && right(coord[2], depth) {
+                return None;
+            }
             let i = self.mixed_tap(store, sample, footprint);
-            return Looks { taps: vec![one(i, depth, 1.0)], ..empty };
+            let wrong = !right(compared(i), depth);
+            return wrong.then(|| Looks { taps: vec![one(i, depth, 1.0)], ..empty });
         }
         let depth = |tap: &shadow::Tap| store.depth(device, tap.texel as usize);
+        if (0..taps.len()).all(|i| right(compared(i), depth(&taps[i]))) {
+            return None;
+        }
         let list = taps.iter().enumerate().map(|(i, tap)| one(i, depth(tap), tap.weight));
         let heaviest = |best: usize, i: usize| {
             if taps[i].weight > taps[best].weight { i } else { best }
         };
         let centre =
             if footprint.weighted { (0..taps.len()).fold(0, heaviest) } else { taps.len() / 2 };
-        Looks { taps: list.collect(), centre, ..empty }
+        Some(Looks { taps: list.collect(), centre, ..empty })
     }
 
     /// The texel that decides a mix: the nearest to the light for a truly lit receiver, else the one
@@ -170,37 +192,41 @@ impl Chart<'_, '_> {
         &self,
         texel: TexelFormat,
         recipe: &Recipe,
-        weights: Option<&[Weights]>,
-    ) -> Vec<Looks> {
+        reading: Reading<'_>,
+        which: &[u32],
+    ) -> Vec<(u32, Looks)> {
         let case = self.field.case();
-        let observer = &self.field.observer;
-        let drawn = |t: u32| self.drawn(t);
-        let store = Store { spec: self.spec(texel), drawn: &drawn, device: *self.device() };
+        let store = self.own_store(texel);
         let fixed = shadow::fixed_coordinates(self.device(), texel);
         let mut footprint = Footprint::default();
-        let mut one = |(i, sample): (usize, &Sample)| {
-            let offset = recipe.receiver_offset(&self.sites[i]);
-            let moved = sample.receiver.position + offset;
-            let Some(window) = case.light.window_from_world(&observer.clip_from_world, moved)
-            else {
-                return unlooked(sample);
+        let all = (which.len() == self.field.samples.len()).then(|| self.moved(recipe));
+        let known = all.as_ref().and_then(|moves| moves.get());
+        let mut one = |&id: &u32| {
+            let i = id as usize;
+            let sample = &self.field.samples[i];
+            let offset = || recipe.receiver_offset(&self.sites[i]);
+            let coord =
+                known.map_or_else(|| moved(self.field, sample, offset()), |known| known.coord(i));
+            let Some(coord) = coord else {
+                let wanted = matches!(reading, Reading::All) || !sample.lit;
+                return wanted.then(|| (id, unlooked(sample)));
             };
-            let coord = added(sample.coord, window - sample.exact);
             footprint.place(self.filter, case.lookup.wrap, self.size, fixed, [coord[0], coord[1]]);
             let caster = |_: usize, t: u32| {
                 (self.field.caster(sample, self.raster.triangle[t as usize], t, self.size), 0.0)
             };
-            let bias = weights.map(|w| recipe.tap_bias(&w[i]));
-            let at = Glance { sample, coord, footprint: &footprint, bias };
-            let mut looks = self.look(&store, recipe, &at, &caster);
+            let at = Glance::new(reading, recipe, i, (sample, coord, &footprint));
+            let mut looks = self.look(&store, recipe, &at, &caster)?;
             let rule = case.lookup.compare;
-            let lit = |l: &Look| rule.is_lit(l.z, l.stored, bias.unwrap_or(0.0));
+            let bias = at.unless_right_at.unwrap_or(0.0);
+            let lit = |l: &Look| rule.is_lit(l.z, l.stored, bias);
             if !sample.lit && looks.taps.iter().any(lit) {
-                looks.moved_into_light = self.field.is_lit_from(sample, offset);
+                let ask = || self.field.is_lit_from(sample, offset());
+                looks.moved_into_light = known.map_or_else(ask, |known| known.is_lit(i, ask));
             }
-            looks
+            Some((id, looks))
         };
-        self.field.samples.iter().enumerate().map(&mut one).collect()
+        which.iter().filter_map(&mut one).collect()
     }
 
     /// Casters under another offset, culling or layer: resolved from the fragments of each texel.
@@ -208,9 +234,10 @@ impl Chart<'_, '_> {
         &self,
         texel: TexelFormat,
         recipe: &Recipe,
-        weights: Option<&[Weights]>,
+        reading: Reading<'_>,
         fragments: &Fragments,
-    ) -> Vec<Looks> {
+        which: &[u32],
+    ) -> Vec<(u32, Looks)> {
         let spec = self.spec(texel);
         let attachment = match texel {
             TexelFormat::Depth(format) => format,
@@ -256,10 +283,12 @@ impl Chart<'_, '_> {
             let moved = recipe.layers == Layers::Second;
             Some((depth, if moved { second? } else { first }))
         };
-        let resolved = fragments.over_texels(resolve);
-        let at = |t: u32| resolved[fragments.slot(t)];
+        let resolved: Vec<OnceCell<_>> = fragments.over_texels(|_| OnceCell::new());
+        let at = |t: u32| *resolved[fragments.slot(t)].get_or_init(|| resolve(t));
         let drawn = |t: u32| at(t).map(|(depth, _)| depth);
-        self.looks_with(texel, recipe, weights, &drawn, &|i, _, t| {
+        let place = |t: u32| fragments.slot(t);
+        let store = self.other_store(texel, drawn, place, resolved.len());
+        self.looks_with(&store, recipe, reading, which, &|i, _, t| {
             let triangle = at(t).map_or(NO_TRIANGLE, |(_, layer)| layer.triangle);
             let caster = self.field.caster(&self.field.samples[i], triangle, t, self.size);
             let gained = drawn(t).unwrap_or(1.0) - self.drawn(t).unwrap_or(1.0);
@@ -314,12 +343,6 @@ fn vertex_normals(field: &Field<'_>) -> Vec<DVec3> {
 /// A receiver without comparisons.
 fn unlooked(sample: &Sample) -> Looks {
     Looks { lit: sample.lit, gap: sample.gap, inside: sample.inside, ..Looks::default() }
-}
-
-/// The subject's coordinates after an exact change, one rounding each.
-fn added(coord: [f32; 3], change: DVec3) -> [f32; 3] {
-    let change = change.as_vec3().to_array();
-    std::array::from_fn(|i| coord[i] + change[i])
 }
 
 fn is_sound(drawn: Option<f32>, read: f32) -> bool {

@@ -1,44 +1,55 @@
 //! The report of a sweep: which strategy wins where, trade-offs, and what amounts look like.
 
 use super::pictures::Gallery;
+use super::plots::{curves, heat_map, trade_off};
 use super::tally::Kind;
-use super::{CaseSweep, Field, Plan, Point, Swept, gate};
-use crate::report::{
-    Axis, Block, Cell, Colour, HeatMap, Marker, Plot, Profile, Report, Scale, Section, Series,
-    Style, Table,
-};
+use super::{CaseSweep, Field, Plan, Point, Swept, gate, verdicts};
+use crate::report::{Block, Cell, Profile, Report, Section, Table};
 use crate::scene::Case;
 use crate::shadow::bias::Strategy;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::slice;
 
-/// One combination as it stands in `results.json`.
+/// The shortest decimal of an f32 as a JSON number.
+fn short(x: f32) -> Value {
+    x.to_string().parse::<f64>().map_or(Value::Null, Value::from)
+}
+
+/// One combination as it stands in `results.json`; what there is none of is left out.
 #[must_use]
 pub fn combination(s: &Swept) -> Value {
     let wrong = |p: &Point| p.tally.false_shadow() + p.tally.false_light();
-    json!({
-        "acne_free": s.acne_free.map(|p| p.amount),
-        "wrong_at_acne_free": s.acne_free.as_ref().map(wrong),
-        "contact_gap_world": s.acne_free.map(|p| p.gap),
-        "least_wrong": s.least().map(wrong),
-        "detachment": s.detachment.filter(|b| b.is_finite()),
-    })
+    let mut entry = serde_json::Map::new();
+    let mut put = |name: &str, value: Option<Value>| {
+        entry.extend(value.map(|v| (name.to_string(), v)));
+    };
+    put("acne_free", s.acne_free.map(|p| short(p.amount)));
+    put("wrong_at_acne_free", s.acne_free.as_ref().map(|p| wrong(p).into()));
+    put("contact_gap_world", s.acne_free.filter(|p| p.gap > 0.0).map(|p| short(p.gap as f32)));
+    put("least_wrong", s.least().map(|p| wrong(p).into()));
+    put("detachment", s.detachment.filter(|b| b.is_finite()).map(short));
+    Value::Object(entry)
 }
 
-/// The order in which strategies win: acne-free, then the least false light, then false shadow, then the
-/// smaller amount.
-fn merit(s: &Swept) -> (bool, i64, i64) {
-    let of = |p: Point| (false, p.tally.light, p.tally.shadow);
-    s.acne_free.map_or((true, i64::MAX, i64::MAX), of)
+/// What a strategy leaves wrong where its acne ends: the share of the lit in false shadow plus the share of
+/// the shadowed in false light.
+fn left_wrong(s: &Swept) -> Option<f64> {
+    let share = |n: i64, of: u64| n as f64 / of.max(1) as f64;
+    let [lit, shadowed] = s.populations;
+    let tally = s.acne_free?.tally;
+    Some(share(tally.false_shadow(), lit) + share(tally.false_light(), shadowed))
 }
 
-/// The winner among combinations of one map, format and filter.
-fn winner<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
-    list.iter().copied().filter(|s| s.acne_free.is_some()).min_by_key(|s| merit(s))
+/// The winner among combinations of one map, format and filter: the one that leaves least wrong; of
+/// equals the first.
+pub(super) fn winner<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
+    let rated = list.iter().filter_map(|&s| Some((left_wrong(s)?, s)));
+    rated.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, s)| s)
 }
 
 /// Combinations at the case's own map size and format (or the first of each that was swept).
-fn own(case: &CaseSweep) -> Vec<&Swept> {
+pub(super) fn own(case: &CaseSweep) -> Vec<&Swept> {
     let has = |name: &str| case.swept.iter().any(|s| s.format.name() == name);
     let first = case.swept.first();
     let format =
@@ -63,7 +74,7 @@ fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
     let infeasible = sweeps.iter().flat_map(|c| &c.swept).filter(|s| s.acne_free.is_none()).count();
     vec![
         format!(
-            "At each case's own map and format, the strategy that ends acne at the least false light: {}.",
+            "At each case's own map and format, the strategy that ends acne and leaves least wrong: {}.",
             if named.is_empty() { "none".to_string() } else { named.join(", ") }
         ),
         format!(
@@ -72,10 +83,18 @@ fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
     ]
 }
 
-fn table(sweeps: &[CaseSweep]) -> Table {
-    let total: usize = sweeps.iter().map(|c| c.swept.len()).sum();
+/// More combinations than this are shown at each case's own map and format only.
+const SHOWN: usize = 400;
+
+/// The combinations of a case that tables show.
+fn shown(case: &CaseSweep, all: usize) -> Vec<&Swept> {
+    if all <= SHOWN { case.swept.iter().collect() } else { own(case) }
+}
+
+/// Every strategy of the given cases, for `results.csv` and for the part of one case.
+fn table(id: &str, sweeps: &[CaseSweep], all: usize) -> Table {
     let mut table = Table::new(
-        "strategies",
+        id,
         "Each strategy at the smallest amount that ends acne: what is wrong there, and the room above it.",
     )
     .column("case", "", "")
@@ -89,9 +108,9 @@ fn table(sweeps: &[CaseSweep]) -> Table {
     .column("false light", "", "share of the truly shadowed that is wrong there")
     .column("contact gap", "texels", "longest peter-panned way inside a true shadow")
     .column("detachment", "unit", "smallest amount that loses a true shadow")
-    .column("wins", "", "least false light of this map, format and filter");
+    .column("wins", "", "least left wrong of this map, format and filter");
     for case in sweeps {
-        let shown = if total <= 400 { case.swept.iter().collect() } else { own(case) };
+        let shown = shown(case, all);
         for s in &shown {
             let same = |o: &&&Swept| {
                 (o.size, o.format.name(), o.filter) == (s.size, s.format.name(), s.filter)
@@ -124,129 +143,21 @@ fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
     ]
 }
 
-/// Rates at every amount, and those that no other amount of any strategy beats on both.
-/// `None` where one amount of one strategy beats all others on both axes: there is nothing to trade.
-fn trade_off(case: &CaseSweep, id: &str) -> Option<Plot> {
-    let list = own(case);
-    let rate = |s: &Swept, p: &Point| {
-        let share = |n: i64, of: u64| 100.0 * n as f64 / of.max(1) as f64;
-        (
-            share(p.tally.false_shadow(), s.populations[0]),
-            share(p.tally.false_light(), s.populations[1]),
-        )
-    };
-    let series = |(i, s): (usize, &&Swept)| Series {
-        name: s.strategy.name().to_string(),
-        style: Style::Line,
-        colour: Colour::series(i),
-        points: s.points.iter().map(|p| rate(s, p)).collect(),
-    };
-    let mut all: Vec<(f64, f64)> =
-        list.iter().flat_map(|s| s.points.iter().map(|p| rate(s, p))).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut lowest = f64::INFINITY;
-    all.retain(|&(_, y)| {
-        let kept = y < lowest;
-        lowest = lowest.min(y);
-        kept
-    });
-    if all.len() < 2 {
-        return None;
-    }
-    let mut plot = Plot {
-        id: id.to_string(),
-        title: format!("{}: false shadow against false light", case.name),
-        caption: "Each line is a strategy, its amount growing from right to left; dots are the Pareto front: nothing else is better on both axes.".into(),
-        x: Axis { label: "false shadow [% of the lit]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
-        y: Axis { label: "false light [% of the shadowed]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
-        series: list.iter().enumerate().map(series).collect(),
-        markers: Vec::new(),
-    };
-    plot.series.push(Series {
-        name: "Pareto front".into(),
-        style: Style::Points,
-        colour: Colour::Ink,
-        points: all,
-    });
-    Some(plot)
-}
-
-/// False shadow and false light along the first strategy's amount.
-fn curves(case: &CaseSweep, id: &str) -> Option<Plot> {
-    let list = own(case);
-    let s = list.iter().find(|s| s.strategy == Strategy::Constant).or(list.first())?;
-    let line = |name: &str, colour, style, of: &dyn Fn(&Point) -> f64| Series {
-        name: name.into(),
-        style,
-        colour,
-        points: s.points.iter().map(|p| (f64::from(p.amount), of(p))).collect(),
-    };
-    let share = |n: i64, of: u64| 100.0 * n as f64 / of.max(1) as f64;
-    let [lit, shadowed] = s.populations;
-    let mut markers = Vec::new();
-    let mut mark = |x: Option<f64>, label: &str, colour| {
-        markers.extend(x.filter(|x| x.is_finite() && *x > 0.0).map(|x| Marker {
-            x,
-            label: label.into(),
-            colour,
-        }));
-    };
-    mark(s.acne_free.map(|p| f64::from(p.amount)), "acne ends", Colour::Vermilion);
-    mark(s.detachment.map(f64::from), "shadows detach", Colour::Blue);
-    if s.strategy == Strategy::Constant {
-        mark(Some(f64::from(case.own_bias)), "its own bias", Colour::Ink);
-    }
-    Some(Plot {
-        id: id.to_string(),
-        title: format!("{}: {} bias, {} {}²", case.name, s.strategy, s.format.name(), s.size),
-        caption: "Every value follows from one pass: acne falls and lost shadow grows with the bias; edge aliasing stays.".into(),
-        x: Axis::log(format!("amount [{}]", s.strategy.unit())),
-        y: Axis { label: "wrong receivers [%]".into(), scale: Scale::SymLog { linear: 0.1 }, range: None },
-        series: vec![
-            line("false shadow", Colour::Vermilion, Style::Steps, &|p| share(p.tally.false_shadow(), lit)),
-            line("of it acne", Colour::Orange, Style::Theory, &|p| share(p.tally.of(Kind::Acne), lit)),
-            line("false light", Colour::Blue, Style::Steps, &|p| share(p.tally.false_light(), shadowed)),
-            line("of it peter-panning", Colour::Sky, Style::Theory, &|p| share(p.tally.of(Kind::PeterPanning), shadowed)),
-        ],
-        markers,
-    })
-}
-
-/// False light where acne ends, strategies against formats, at the own map size.
-fn heat_map(case: &CaseSweep, id: &str) -> HeatMap {
-    let size = own(case).first().map_or(0, |s| s.size);
-    let at_size: Vec<&Swept> = case.swept.iter().filter(|s| s.size == size).collect();
-    let mut rows: Vec<&str> = Vec::new();
-    let mut columns: Vec<&str> = Vec::new();
-    for s in &at_size {
-        if !rows.contains(&s.strategy.name()) {
-            rows.push(s.strategy.name());
-        }
-        if !columns.contains(&s.format.name()) {
-            columns.push(s.format.name());
+/// A case's table without the columns that say the same in every row, up to the strategy.
+fn brief(mut table: Table) -> Table {
+    for i in (0..4).rev() {
+        if table.rows.windows(2).all(|pair| pair[0][i] == pair[1][i]) {
+            table.columns.remove(i);
+            table.rows.iter_mut().for_each(|row| drop(row.remove(i)));
         }
     }
-    let value = |row: &str, column: &str| {
-        let s = at_size.iter().find(|s| s.strategy.name() == row && s.format.name() == column)?;
-        Some(s.acne_free?.tally.false_light() as f64 / s.populations[1].max(1) as f64)
-    };
-    HeatMap {
-        id: id.to_string(),
-        title: format!("{}: false light where acne ends, {size}² texels", case.name),
-        caption: "Share of the truly shadowed receivers that each strategy lights at its smallest acne-free amount; empty where no amount ends acne.".into(),
-        row_name: "strategy".into(),
-        column_name: "format".into(),
-        values: rows.iter().flat_map(|r| columns.iter().map(move |c| (r, c))).map(|(r, c)| value(r, c)).collect(),
-        rows: rows.iter().map(ToString::to_string).collect(),
-        columns: columns.iter().map(ToString::to_string).collect(),
-        scale: Scale::SymLog { linear: 0.001 },
-        unit: "%".into(),
-        digits: 2,
-    }
+    table
 }
 
 /// Pictures of the own configuration along the bias axis: nothing, below, at and above the threshold.
-fn multiples(case: &Case, sweep: &CaseSweep, step: u32) -> Option<(Block, Block)> {
+///
+/// One EXR at the case's own bias; for a list of at most two cases one of every picture.
+fn multiples(case: &Case, sweep: &CaseSweep, step: u32, few: bool) -> Option<Vec<Block>> {
     let list = own(sweep);
     let s = list.iter().find(|s| s.strategy == Strategy::Constant)?;
     let field = Field::new(case, step);
@@ -263,9 +174,14 @@ fn multiples(case: &Case, sweep: &CaseSweep, step: u32) -> Option<(Block, Block)
         }
         Block::Picture(picture)
     };
-    let row = amounts.into_iter().enumerate().map(picture).collect();
-    let exr = gallery.exr(&format!("{}-layers", case.name), Strategy::Constant, case.bias);
-    Some((Block::Row(row), Block::Exr(exr)))
+    let mut blocks = vec![Block::Row(amounts.into_iter().enumerate().map(picture).collect())];
+    let exr = |(i, amount): (usize, f32)| {
+        let id = format!("{}-{}-layers", case.name, labels[i].replace(' ', "-"));
+        Block::Exr(gallery.exr(&id, Strategy::Constant, amount))
+    };
+    let chosen = amounts.into_iter().enumerate().filter(|&(i, _)| few || i == 3);
+    blocks.extend(chosen.map(exr));
+    Some(blocks)
 }
 
 /// Plots and pictures stand for all cases of a short list, else for at most six spread over it.
@@ -282,26 +198,32 @@ pub fn report(
     seed: u64,
     command: String,
 ) -> Report {
-    let table = table(sweeps);
-    let mut overview = Section::new("overview", "Which strategy wins", "");
-    overview.push(table.clone());
+    let all: usize = sweeps.iter().map(|c| c.swept.len()).sum();
+    let mut overview = Section::new(
+        "overview",
+        "Which strategy wins",
+        "One line a case, at its own map and format; every strategy is in the case's own part below.",
+    );
+    overview.push(verdicts::table(sweeps));
     let mut sections = vec![overview];
     for (i, (case, sweep)) in plan.cases.iter().zip(sweeps).enumerate() {
         let name = &case.name;
         let best = winner(&own(sweep)).map_or_else(
             || "No strategy ends acne within the swept range.".to_string(),
-            |s| format!("{} wins at its own map and format.", s.strategy),
+            |s| verdicts::sentence(sweep, s),
         );
         let mut section = Section::new(name.clone(), name.clone(), best);
+        section.push(brief(table(&format!("{name}-strategies"), slice::from_ref(sweep), all)));
         section.push(heat_map(sweep, &format!("{name}-formats")));
         if is_detailed(i, sweeps.len()) {
             let curves = curves(sweep, &format!("{name}-curve"));
             let plots = curves.into_iter().chain(trade_off(sweep, &format!("{name}-trade-off")));
             section.push(Block::Row(plots.map(Block::Plot).collect()));
-            if let Some((row, exr)) = multiples(case, sweep, plan.step) {
-                section.push(row);
-                section.push(exr);
-            }
+            let few = sweeps.len() <= 2;
+            multiples(case, sweep, plan.step, few)
+                .into_iter()
+                .flatten()
+                .for_each(|block| section.push(block));
         }
         sections.push(section.folded());
     }
@@ -327,7 +249,7 @@ pub fn report(
             "max_acne": plan.max_acne,
             "combinations": entries,
         }),
-        results_csv: Some(table),
+        results_csv: Some(table("strategies", sweeps, all)),
         ..Report::default()
     }
 }

@@ -61,56 +61,70 @@ impl Tally {
         self.kinds[3] + self.kinds[4] + self.kinds[5]
     }
 
-    /// Adds another count to this one.
-    pub fn add(&mut self, other: &Self) {
-        for (mine, theirs) in self.kinds.iter_mut().zip(other.kinds) {
-            *mine += theirs;
+    const fn change(&mut self, entry: Entry, by: i64) {
+        match entry {
+            Entry::Kind(kind) => self.kinds[kind as usize] += by,
+            Entry::Shadow => self.shadow += by,
+            Entry::Light => self.light += by,
         }
-        self.shadow += other.shadow;
-        self.light += other.light;
     }
 }
 
-/// From `at` on, the counts change by `change`.
+/// What a breakpoint changes: the receivers of a kind, or one of the sums of shares.
+#[derive(Clone, Copy, Debug)]
+enum Entry {
+    Kind(Kind),
+    Shadow,
+    Light,
+}
+
+/// From `at` on, an entry changes by `change`: 16 bytes, since millions are sorted.
 #[derive(Clone, Copy, Debug)]
 struct Event {
     at: f32,
-    change: Tally,
+    entry: Entry,
+    change: i64,
 }
 
-/// The counts at every amount: a step function given by its breakpoints.
+/// The counts at every amount ≥ 0: a step function given by its breakpoints.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
     base: Tally,
     events: Vec<Event>,
     /// Peter-panned receivers: from which amount on, and how far inside their true shadow.
     gaps: Vec<(f32, f64)>,
-    /// Largest breakpoint of truly lit receivers that see their own surface alone.
+    /// Largest breakpoint of truly lit receivers that see their own surface alone and have acne at 0.
     pub critical: Option<f32>,
     /// Smallest breakpoint of truly shadowed receivers whose texel holds a true occluder.
     pub detachment: Option<f32>,
 }
 
 impl Curve {
-    /// Counts `change` from `at` on; from the beginning where it is −∞, never where it is +∞.
-    pub fn from(&mut self, at: f32, change: Tally) {
-        if at == f32::NEG_INFINITY {
-            self.base.add(&change);
+    /// Counts `change` from `at` on: from the beginning where that is not positive, never where it is
+    /// +∞.
+    fn from(&mut self, at: f32, entry: Entry, change: i64) {
+        if at <= 0.0 {
+            self.base.change(entry, change);
         } else if at < f32::INFINITY {
-            self.events.push(Event { at, change });
+            self.events.push(Event { at, entry, change });
         }
     }
 
     /// Counts one receiver of `kind` on [from, until).
     pub fn count(&mut self, kind: Kind, from: f32, until: f32) {
-        if from < until {
-            let one = |n: i64| {
-                let mut change = Tally::default();
-                change.kinds[kind as usize] = n;
-                change
-            };
-            self.from(from, one(1));
-            self.from(until, one(-1));
+        if from < until && until > 0.0 {
+            self.from(from, Entry::Kind(kind), 1);
+            self.from(until, Entry::Kind(kind), -1);
+        }
+    }
+
+    /// A tap with this share of a truly lit (or truly shadowed) receiver is lit from an amount on.
+    pub fn lights(&mut self, truly_lit: bool, from: f32, share: i64) {
+        if truly_lit {
+            self.base.change(Entry::Shadow, share);
+            self.from(from, Entry::Shadow, -share);
+        } else {
+            self.from(from, Entry::Light, share);
         }
     }
 
@@ -148,7 +162,7 @@ impl Curve {
         let (mut tally, mut next) = (self.base, 0);
         let mut reach = |amount: f32| {
             while let Some(event) = self.events.get(next).filter(|e| e.at <= amount) {
-                tally.add(&event.change);
+                tally.change(event.entry, event.change);
                 next += 1;
             }
             tally
@@ -165,7 +179,7 @@ impl Curve {
         let mut from = (sum(&tally) <= limit).then_some(0.0f32);
         let mut events = self.events.iter().peekable();
         while let Some(event) = events.next() {
-            tally.add(&event.change);
+            tally.change(event.entry, event.change);
             if events.peek().is_some_and(|e| e.at == event.at) {
                 continue;
             }
@@ -187,13 +201,13 @@ impl Curve {
             if settled && event.at > 0.0 && tally.of(kind) > 0 {
                 return Some(if i == 0 { 0.0 } else { self.events[i - 1].at.max(0.0) });
             }
-            tally.add(&event.change);
+            tally.change(event.entry, event.change);
         }
         let last = self.events.last().map_or(0.0, |e| e.at.max(0.0));
         (tally.of(kind) > 0).then_some(last)
     }
 
-    /// Every breakpoint, ascending, each once.
+    /// Every positive breakpoint, ascending, each once.
     #[must_use]
     pub fn breakpoints(&self) -> Vec<f32> {
         let mut list: Vec<f32> = self.events.iter().map(|e| e.at).collect();

@@ -40,6 +40,7 @@ class Explorer {
   async load() {
     const bytes = await inflate(this.figure.querySelector("script.blob").textContent);
     this.views = this.about.views.map((view) => decodeView(view, bytes));
+    this.surveys = this.views.map((view) => new Survey(view, this.about.classes.length));
     this.value = Math.fround(this.about.slider.value);
     this.build();
     this.set(this.value);
@@ -59,10 +60,9 @@ class Explorer {
   }
 
   tally(view, value) {
-    const rounded = Math.fround(value), { width, height, classes } = this.about;
-    const tally = survey(this.views[view], classes.length, rounded);
-    tally.causes = surveyCauses(this.views[view], width, height, rounded);
-    return tally;
+    const rounded = Math.fround(value), { width, height } = this.about;
+    const tally = this.surveys[view].follow(rounded);
+    return { ...tally, causes: surveyCauses(this.surveys[view], width, height, rounded) };
   }
 
   set(value) {
@@ -189,17 +189,34 @@ class Pane {
   }
 
   draw() {
-    const { owner, view, pixels } = this, { classes, width, height } = owner.about;
-    const colours = classes.map(([, rgb], i) => owner.hidden.has(i) ? faded(rgb) : rgb);
-    const paint = owner.mode === "class" ? { pixels, colours: colours.map(pixel), mixed: mixer(colours, view.taps) } : null;
-    const tally = survey(view, classes.length, owner.value, paint);
+    const { owner } = this, { width, height } = owner.about;
+    const tally = this.survey().follow(owner.value, owner.mode === "class" ? this.classPainter() : null);
     if (owner.mode === "margin") this.drawMargins();
-    const causes = surveyCauses(view, width, height, owner.value, owner.mode === "cause" ? this.causePainter() : null);
+    const causes = surveyCauses(this.survey(), width, height, owner.value, owner.mode === "cause" ? this.causePainter() : null);
     this.context.putImageData(this.image, 0, 0);
     this.report(tally, causes);
   }
 
+  // This pane's own: two panes may show one configuration.
+  survey() {
+    if (this.surveyed?.view !== this.view) this.surveyed = new Survey(this.view, this.owner.about.classes.length);
+    return this.surveyed;
+  }
+
+  // Colours of the classes; everything is painted anew where they, the mode or the configuration changed.
+  classPainter() {
+    const { owner, view, pixels } = this, key = [this.index, ...owner.hidden].join();
+    if (this.painted !== key) {
+      const colours = owner.about.classes.map(([, rgb], i) => owner.hidden.has(i) ? faded(rgb) : rgb);
+      this.colours = { pixels, colours: colours.map(pixel), mixed: mixer(colours, view.taps) };
+    }
+    const fresh = this.painted !== key;
+    this.painted = key;
+    return { ...this.colours, fresh };
+  }
+
   causePainter() {
+    this.painted = null;
     const { view, pixels } = this, { width, height } = this.owner.about;
     const colours = view.causes.map(([, rgb]) => pixel(rgb)), right = pixel([235, 235, 238]);
     return (x, y, cause) => {
@@ -209,6 +226,7 @@ class Pane {
   }
 
   drawMargins() {
+    this.painted = null;
     const { view, pixels, owner } = this, reach = owner.reach();
     const ramp = Array.from({ length: 511 }, (_, i) => pixel(blend([255, 255, 255], i < 255 ? [0, 114, 178] : [230, 159, 0], Math.abs(i - 255), 255)));
     const apart = pixel([222, 222, 226]);

@@ -158,7 +158,7 @@ class Inspector {
     const index = gy * grid.across + gx, lines = [];
     if (view.every > 1) lines.push(["measured at", this.pixel(gx * view.every, gy * view.every).join(", ")]);
     if (view.rungs.length) {
-      const cause = causeOf(view, index, grid.sample(gx, gy), value, reached(view, value));
+      const sample = grid.sample(gx, gy), cause = wrongTaps(view, sample, value) ? causeOf(view, index, sample, reached(view, value)) : -1;
       lines.push(["cause", cause < 0 ? "none: the verdict is right" : view.causes[cause][0]]);
     }
     for (const field of view.fields) {

@@ -10,7 +10,7 @@ use crate::report::heatmap::Shade;
 use crate::report::palette::Colour;
 use crate::report::write::Figure;
 use crate::report::{
-    Block, Cell, Explorer, Finding, HeatMap, Picture, Plot, Report, Section, Table, number,
+    Block, Cell, Explorer, Finding, HeatMap, Picture, Plot, Report, Section, Table, Tile, number,
 };
 
 #[derive(Serialize)]
@@ -31,6 +31,7 @@ pub(super) struct Header {
 pub(super) struct SectionView {
     id: String,
     title: String,
+    nav: String,
     lead: String,
     folded: bool,
     warnings: Vec<String>,
@@ -53,6 +54,7 @@ enum Content {
     Plot(PlotView),
     HeatMap(HeatMapView),
     Picture(PictureView),
+    Gallery { tiles: Vec<TileView> },
     Row { blocks: Vec<BlockView> },
     Code { language: String, text: String },
     Findings { findings: Vec<FindingView> },
@@ -120,6 +122,14 @@ struct PictureView {
 }
 
 #[derive(Serialize)]
+struct TileView {
+    to: String,
+    title: String,
+    text: String,
+    data: String,
+}
+
+#[derive(Serialize)]
 struct ExplorerView {
     title: String,
     caption: String,
@@ -167,6 +177,7 @@ pub(super) fn section(
     SectionView {
         id: section.id.clone(),
         title: section.title.clone(),
+        nav: if section.nav.is_empty() { &section.title } else { &section.nav }.clone(),
         lead: section.lead.clone(),
         folded: section.folded,
         warnings: warnings(report, &section.id),
@@ -188,6 +199,9 @@ impl BlockView {
                 let view = |block| Self::new(block, report, figures);
                 Content::Row { blocks: blocks.iter().map(view).collect() }
             }
+            (Block::Gallery(tiles), _) => Content::Gallery {
+                tiles: tiles.iter().map(|tile| TileView::new(tile, figures)).collect(),
+            },
             (block, Some(figure)) => with_files(block, figure),
             (block, None) => without_files(block),
         };
@@ -230,6 +244,15 @@ fn with_files(block: &Block, figure: &Figure) -> Content {
             metadata: image.metadata.to_string(),
         },
         _ => unreachable!("only these blocks have files"),
+    }
+}
+
+impl TileView {
+    fn new(tile: &Tile, figures: &BTreeMap<&str, Figure>) -> Self {
+        let Tile { picture, to, title, text } = tile.clone();
+        let figure = figures.get(picture.as_str());
+        let figure = figure.unwrap_or_else(|| panic!("no picture is called '{picture}'"));
+        Self { to, title, text, data: STANDARD.encode(&figure.png) }
     }
 }
 

@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::compact::compact;
 use super::layout::{self, Layout, MARGIN, Placed, ROW, SWATCH, TEXT, TITLE, font};
 use super::ruler::Ruler;
 use super::{Plot, Series, Size, Style};
@@ -13,6 +14,9 @@ use crate::report::palette::Colour;
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 type Coordinates = Cartesian2d<Ruler, Ruler>;
 type Chart<'a, DB> = ChartContext<'a, DB, Coordinates>;
+
+/// Thickness of a bar.
+const BAR: u32 = 18;
 
 /// A figure with its axes fitted and its texts placed.
 struct Figure<'a> {
@@ -33,7 +37,7 @@ pub(super) fn svg(plot: &Plot, size: Size) -> String {
     let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
     figure.draw(&area).expect("drawing into a string cannot fail");
     drop(area);
-    text
+    compact(&text)
 }
 
 pub(super) fn png(plot: &Plot, size: Size) -> Vec<u8> {
@@ -184,6 +188,9 @@ impl<'a> Figure<'a> {
                     Style::Theory => {
                         chart.draw_series(DashedLineSeries::new(part, 16, 10, style))?
                     }
+                    Style::Bar => {
+                        chart.draw_series(LineSeries::new(part, style.stroke_width(BAR)))?
+                    }
                     _ => chart.draw_series(LineSeries::new(part, style))?,
                 };
             }
@@ -229,6 +236,9 @@ impl<'a> Figure<'a> {
                 for start in (x0..x1 - 10).step_by(22) {
                     area.draw(&PathElement::new([(start, y), (start + 14, y)], style))?;
                 }
+            }
+            Style::Bar => {
+                area.draw(&PathElement::new([(x0, y), (x1, y)], style.stroke_width(BAR)))?;
             }
             Style::Line | Style::Steps => {
                 area.draw(&PathElement::new([(x0, y), (x1, y)], style))?;

@@ -1,5 +1,6 @@
 //! Plots as data: axes with units, series, markers; drawn as SVG and PNG.
 
+mod compact;
 mod draw;
 mod layout;
 mod ruler;
@@ -34,6 +35,9 @@ pub struct Axis {
     pub scale: Scale,
     /// Ends in axis units; `None` fits the data.
     pub range: Option<(f64, f64)>,
+    /// Categories, upwards or to the right: the i-th stands at i. Empty for an axis of numbers; scale
+    /// and range do not matter otherwise.
+    pub names: Vec<String>,
 }
 
 /// How values become positions.
@@ -77,6 +81,8 @@ pub enum Style {
     Points,
     /// A dashed line: what theory says.
     Theory,
+    /// A broad line: ranges, parted by NaN.
+    Bar,
 }
 
 /// How much of the page's width a figure takes; the text stays as large.
@@ -116,12 +122,18 @@ impl Scale {
 impl Axis {
     /// A proportional axis that fits its data.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None }
+        Self { label: label.into(), ..Self::default() }
     }
 
     /// A logarithmic axis that fits its data.
     pub fn log(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Log, range: None }
+        Self { label: label.into(), scale: Scale::Log, ..Self::default() }
+    }
+
+    /// An axis of categories, upwards or to the right.
+    #[must_use]
+    pub fn named(names: Vec<String>) -> Self {
+        Self { names, ..Self::default() }
     }
 }
 

@@ -26,6 +26,9 @@ pub(super) struct Ruler {
 impl Ruler {
     /// Fits `axis` to `values`; those without a place on it are passed over.
     pub(super) fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
+        if !axis.names.is_empty() {
+            return Self::named(&axis.names);
+        }
         let values: Vec<_> = match axis.range {
             Some((low, high)) => vec![low, high],
             None => values.filter(|v| v.is_finite()).collect(),
@@ -47,6 +50,14 @@ impl Ruler {
             ruler.make_room_for_zero();
         }
         ruler
+    }
+
+    /// One labelled place for each name.
+    fn named(names: &[String]) -> Self {
+        let place = |(i, name): (usize, &String)| (i as f64, name.clone());
+        let ticks: Vec<_> = names.iter().enumerate().map(place).collect();
+        let high = ticks.len() as f64 - 0.4;
+        Self { scale: Scale::Linear, low: -0.6, high, zero: None, ticks, light: vec![] }
     }
 
     /// Position of a value, `None` where it has none.

@@ -1,12 +1,15 @@
-//! Named cases: the documents' systems and the scenes whose answers are known in closed form.
+//! Named cases: the documents' systems, the scenes whose answers are known in closed form, and the
+//! standard scenes.
 
 pub mod analytic;
 pub mod documents;
+pub mod standard;
 
 use super::Case;
 use crate::{Error, Result};
 
-/// Every named case, in report order: the documents' first.
+/// Every case of the documents and the closed forms, in report order: the documents' first. The
+/// standard scenes are had by name alone.
 #[must_use]
 pub fn all() -> Vec<Case> {
     let mut cases = documents::all();
@@ -31,9 +34,15 @@ pub fn main_job() -> Vec<Case> {
 /// # Errors
 /// [`Error::BadInput`] listing the names.
 pub fn named(name: &str) -> Result<Case> {
+    if let Some(case) = standard::named(name) {
+        return Ok(case);
+    }
     let cases = all();
-    let names = cases.iter().map(|case| case.name.clone()).collect::<Vec<_>>().join(", ");
-    cases.into_iter().find(|case| case.name == name).ok_or_else(|| {
-        Error::bad_input(format!("--case '{name}'"), "no such case", format!("use one of {names}"))
-    })
+    let own = cases.iter().map(|case| case.name.as_str());
+    let names = own.chain(standard::NAMES).collect::<Vec<_>>().join(", ");
+    let fix = format!("use one of {names}, or terrain-N for a terrain of N triangles");
+    cases
+        .into_iter()
+        .find(|case| case.name == name)
+        .ok_or_else(|| Error::bad_input(format!("--case '{name}'"), "no such case", fix))
 }

@@ -11,6 +11,7 @@ mod obj_file;
 
 use super::shapes::Mesh;
 use crate::{Error, Result};
+use files::Budget;
 pub use files::Limits;
 use glam::{DVec3, Mat4};
 use std::path::Path;
@@ -57,10 +58,24 @@ pub struct LoadedCamera {
 /// # Errors
 /// [`Error::BadInput`] or [`Error::Read`] in one sentence: file, place, reason, what to do.
 pub fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
+    let mut budget = Budget::new(limits);
+    let bytes = budget.read(path)?;
+    read(path, &bytes, budget)
+}
+
+/// The same from the bytes of the file at `path`; files that they name are looked for beside it.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<LoadedScene> {
+    read(path, bytes, Budget::new(limits))
+}
+
+fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let scene = match extension.as_str() {
-        "gltf" | "glb" => gltf_file::load(path, limits)?,
-        "obj" => obj_file::load(path, limits)?,
+        "gltf" | "glb" => gltf_file::read(path, bytes, budget)?,
+        "obj" => obj_file::read(path, bytes, budget)?,
         _ => {
             return Err(Error::bad_input(
                 path.display().to_string(),

@@ -1,6 +1,6 @@
 //! Biases added to each comparison: window depth, world units, texels, format steps, slopes.
 
-use super::{Recipe, Site};
+use super::{Recipe, Site, Strategy};
 
 /// Window depth per unit of each tap-side parameter at one receiver, rounded to f32 once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,6 +30,25 @@ impl Weights {
     }
 }
 
+impl Weights {
+    /// The weight w and the bound c with which min(a·w, c) is [`Recipe::tap_bias`] of a strategy with
+    /// one tap-side parameter a ≥ 0, to the bit; 0 for strategies without one.
+    #[must_use]
+    pub fn of(&self, strategy: Strategy) -> (f32, f32) {
+        let unit = strategy.with(1.0);
+        let bound = if unit.slope_clamp > 0.0 { unit.slope_clamp } else { f32::INFINITY };
+        let terms = [
+            (unit.window, 1.0),
+            (unit.world, self.world),
+            (unit.texels, self.texel),
+            (unit.steps, self.step),
+            (unit.slope, self.slope),
+        ];
+        let weight = terms.iter().find(|(parameter, _)| *parameter != 0.0).map_or(0.0, |t| t.1);
+        (weight, if unit.slope != 0.0 { bound } else { f32::INFINITY })
+    }
+}
+
 impl Recipe {
     /// The bias of every tap of a receiver: window + Σ parameter·weight, each operation rounded to f32;
     /// parameters of 0 add nothing. Monotone in every parameter.
@@ -49,5 +68,23 @@ impl Recipe {
             bias += (self.slope * weights.slope).min(clamp);
         }
         bias
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shadow::bias::Family;
+
+    #[test]
+    fn one_product_is_the_bias_of_every_tap_family() {
+        let weights = Weights { world: 0.0625, texel: 3.1e-4, step: 1.0 / 65_535.0, slope: 1.7e-3 };
+        for &strategy in Strategy::ALL.iter().filter(|s| s.family() == Family::Tap) {
+            let (weight, bound) = weights.of(strategy);
+            for amount in [0.0f32, 1e-7, 0.003, 0.9, 17.25, 4e6] {
+                let literal = strategy.with(amount).tap_bias(&weights);
+                assert_eq!((amount * weight).min(bound), literal, "{strategy} at {amount}");
+            }
+        }
     }
 }

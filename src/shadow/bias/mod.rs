@@ -46,6 +46,8 @@ pub struct Recipe {
     pub caster_light: f64,
     /// Caster: the same in texel edges.
     pub caster_light_texels: f64,
+    /// Caster: both moves grow by this times min(tan θ, 1) of the vertex' normal.
+    pub caster_light_slope: f64,
     /// Caster: fragments move away from the light where their face looks at it and towards it where
     /// not, world units (oriented depth bias).
     pub oriented: f32,
@@ -80,6 +82,7 @@ impl Default for Recipe {
             caster_normal: NormalMove::default(),
             caster_light: 0.0,
             caster_light_texels: 0.0,
+            caster_light_slope: 0.0,
             oriented: 0.0,
             layers: Layers::Nearest,
             layer_offset: 0.0,
@@ -128,10 +131,17 @@ impl Recipe {
     /// Where a caster's vertex is drawn, relative to itself. World units, f64.
     #[must_use]
     pub fn vertex_offset(&self, site: &Site) -> DVec3 {
-        let away = self.caster_light + self.caster_light_texels * site.texel_world;
+        let cosine = site.normal.dot(site.to_light).abs().clamp(1e-9, 1.0);
+        let tangent = f64::sqrt(1.0 - cosine * cosine) / cosine;
+        let away = (self.caster_light + self.caster_light_texels * site.texel_world)
+            * (1.0 + self.caster_light_slope * tangent.min(1.0));
         -(self.caster_normal.offset(site) + site.to_light * away)
     }
 }
+
+/// r.Shadow.CSMSlopeScaleDepthBias 3 times a Shadow Slope Bias of 0.5 (Unreal Engine 5,
+/// ShadowRendering.cpp, `UpdateShaderDepthBias`).
+pub const UNREAL_SLOPE: f64 = 1.5;
 
 crate::catalogue! {
     /// A family of biases with one parameter a ≥ 0, whose unit is [`Strategy::unit`].
@@ -154,7 +164,8 @@ crate::catalogue! {
         /// Casters drawn at D + 10a·m + 10a·r (PlayCanvas shadowBias: slope and units are 10 times it).
         RasterPlaycanvas = "raster-playcanvas",
         /// z against D + min(a·m, 0.01), m the receiver's own depth slope per texel
-        /// (opengl-tutorial.org tutorial 16: 0.005·tan(acos(N·L)) clamped to 0.01).
+        /// (opengl-tutorial.org tutorial 16: 0.005·tan(acos(N·L)) clamped to 0.01). Its reach ends at the
+        /// clamp: a plane under a filter of half-width h keeps acne where h·s·|g|₁ > 0.01 window depth.
         ReceiverSlope = "receiver-slope",
         /// Receiver at p + a·N, a in world units (three.js normalBias).
         NormalOffset = "normal-offset",
@@ -168,6 +179,8 @@ crate::catalogue! {
         NormalHdrp = "normal-hdrp",
         /// Receiver at p + a·√2·s·(sin θ/cos 0.534 + 0.195)·N (Blender EEVEE Next, a = 1).
         NormalBlender = "normal-blender",
+        /// Receiver at p + a·(1 − N·L)·N, a in world units (Cesium normalOffsetScale).
+        NormalCesium = "normal-cesium",
         /// Receiver at p + a·L, a in world units (Bevy shadow_depth_bias).
         LightOffset = "light-offset",
         /// Casters at p − a·s·sin θ·N (Unity built-in normal bias).
@@ -178,6 +191,9 @@ crate::catalogue! {
         CasterBabylon = "caster-babylon",
         /// Casters at p − a·s·L (URP depth bias).
         CasterLight = "caster-light",
+        /// Casters at p − (a/4)·s·(1 + 1.5·min(tan θ, 1))·L (Unreal CSM depth bias under a Shadow Bias
+        /// and Shadow Slope Bias of 0.5 and a slope scale of 3).
+        CasterUnreal = "caster-unreal",
         /// The receiver's plane at each texel's centre against D + a (receiver-plane depth bias,
         /// clamped to 0.01).
         ReceiverPlane = "receiver-plane",
@@ -249,11 +265,15 @@ impl Strategy {
             }
             Self::NormalHdrp => receiver(along(a64, One, true)),
             Self::NormalBlender => receiver(along(a64 * root2, Blender, true)),
+            Self::NormalCesium => receiver(along(a64, OneMinusCos, false)),
             Self::LightOffset => Recipe { light: a64, ..none },
             Self::CasterUnity => caster(along(a64, Sin, true)),
             Self::CasterUrp => caster(along(a64, OneMinusCos, true)),
             Self::CasterBabylon => caster(along(a64, Sin, false)),
             Self::CasterLight => Recipe { caster_light_texels: a64, ..none },
+            Self::CasterUnreal => {
+                Recipe { caster_light_texels: a64 / 4.0, caster_light_slope: UNREAL_SLOPE, ..none }
+            }
             Self::ReceiverPlane => Recipe { follow: Follow::TexelCentre, window: a, ..none },
             Self::ReceiverPlaneTap => Recipe { follow: Follow::Sample, window: a, ..none },
             Self::Adaptive => Recipe { follow: Follow::NearerOfCentre, world: a, ..none },
@@ -279,6 +299,7 @@ impl Strategy {
             | Self::DualLayer => "window depth",
             Self::World
             | Self::NormalOffset
+            | Self::NormalCesium
             | Self::LightOffset
             | Self::CasterBabylon
             | Self::Adaptive
@@ -295,6 +316,7 @@ impl Strategy {
             Self::RasterUnits => "units r",
             Self::NormalBevy => "texel diagonals",
             Self::NormalFilament => "half texels",
+            Self::CasterUnreal => "quarter texels",
             Self::NormalBlender => "multiples of its own",
         }
     }
@@ -314,10 +336,13 @@ impl Strategy {
             | Self::NormalGodot
             | Self::NormalHdrp
             | Self::NormalBlender
+            | Self::NormalCesium
             | Self::LightOffset => Family::Receiver,
-            Self::CasterUnity | Self::CasterUrp | Self::CasterBabylon | Self::CasterLight => {
-                Family::Vertex
-            }
+            Self::CasterUnity
+            | Self::CasterUrp
+            | Self::CasterBabylon
+            | Self::CasterLight
+            | Self::CasterUnreal => Family::Vertex,
             _ => Family::Tap,
         }
     }

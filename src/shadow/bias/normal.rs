@@ -10,7 +10,7 @@ crate::catalogue! {
         One = "one",
         /// sin θ (Filament, Unity built-in, Babylon).
         Sin = "sin",
-        /// 1 − cos θ (Godot, URP).
+        /// 1 − cos θ (Godot, URP, Cesium).
         OneMinusCos = "1-cos",
         /// sin θ / cos 0.534 + 0.195 (Blender EEVEE Next).
         Blender = "blender",

@@ -18,9 +18,9 @@
 
 mod bins;
 mod frame;
-mod lanes;
 mod setup;
 mod sweep;
+mod work;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -34,6 +34,7 @@ use bins::{Bins, Members};
 use frame::Frame;
 use setup::Vertices;
 use sweep::{Chunk, Found, Known, Shared, State};
+pub use work::{Skips, Work};
 
 /// Receivers per cell, on average. Fewer make the grid outgrow the caches, more make small
 /// triangles test receivers in vain; 2 to 4 measured alike on a terrain of a million triangles.
@@ -47,21 +48,14 @@ const CHUNK: u32 = 1 << 14;
 pub struct Options {
     /// The instruction set.
     pub level: Level,
+    /// What is left out.
+    pub skips: Skips,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { level: Level::best() }
+        Self { level: Level::best(), skips: Skips::ALL }
     }
-}
-
-/// How much was tested.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Triangles that can shadow a receiver, over all frames.
-    pub triangles: u64,
-    /// Pairs that f32 left open.
-    pub escalated: u64,
 }
 
 /// The truth about many receivers under one light, in their order: equal to that of
@@ -194,10 +188,12 @@ impl Job<'_> {
         let known = &Known::new(bins.index.len());
         let Self { geometry, receivers, light, .. } = *self;
         let extent = self.space.extent;
-        let shared = Shared { geometry, receivers, light, extent, frame, bins, vertices, known };
+        let skips = self.options.skips;
+        let shared =
+            Shared { geometry, receivers, light, extent, frame, bins, vertices, known, skips };
         let found = self.sweep(shared);
-        self.work.triangles += found.triangles;
-        self.work.escalated += found.escalated;
+        self.work += found.work;
+        self.work.answered += members.len() as u64 * geometry.triangles.len() as u64;
         self.settle(bins, found, answers);
     }
 
@@ -283,8 +279,7 @@ impl Found {
         self.marginal.append(&mut other.marginal);
         self.touching.append(&mut other.touching);
         self.void.append(&mut other.void);
-        self.triangles += other.triangles;
-        self.escalated += other.escalated;
+        self.work += other.work;
         self
     }
 }

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::bins::{BLOCK, Bins};
 use super::frame::{Frame, Vertex};
-use super::lanes::{BATCH, Lanes};
+use super::work::{Skipped, Skips};
 use crate::scene::Geometry;
+use crate::simd::lanes::{BATCH, Lanes};
 
 /// Half an ulp of 1 in f32.
 const U32: f64 = f32::EPSILON as f64 / 2.0;
@@ -38,21 +39,29 @@ impl Vertices {
         Self { exact, screen }
     }
 
-    /// The cells that a triangle may shadow, or none.
+    /// The cells that a triangle may shadow, or why there are none.
     ///
     /// Left out is a triangle whose cells hold no receiver, and one that is farther from the light
     /// than the farthest receiver of its blocks: depth over a triangle is largest at a corner.
     #[inline(always)]
-    pub(super) fn item(&self, corners: [u32; 3], bins: &Bins) -> Option<Item> {
-        let [a, b, c] = corners.map(|v| self.screen[v as usize]);
-        let low = [0, 1].map(|k| lesser(a[k], lesser(b[k], c[k])));
-        let high = [0, 1].map(|k| greater(a[k], greater(b[k], c[k])));
+    pub(super) fn item(
+        &self,
+        corners: [u32; 3],
+        bins: &Bins,
+        skips: Skips,
+    ) -> Result<Item, Skipped> {
+        let [a, b, c] = corners;
+        let (a, b, c) = (self.screen[a as usize], self.screen[b as usize], self.screen[c as usize]);
+        let low = [lesser(a[0], lesser(b[0], c[0])), lesser(a[1], lesser(b[1], c[1]))];
+        let high = [greater(a[0], greater(b[0], c[0])), greater(a[1], greater(b[1], c[1]))];
         let nearest = greater(a[2], greater(b[2], c[2]));
-        if (a[2] + b[2] + c[2]).is_nan() {
-            let (low, high) = self.clipped(corners, bins.cells as f64)?;
-            return shadowing(cells(low, high, bins.cells)?, f32::INFINITY, bins);
-        }
-        shadowing(cells(low, high, bins.cells)?, nearest, bins)
+        let (bounds, nearest) = if (a[2] + b[2] + c[2]).is_nan() {
+            (self.clipped(corners, bins.cells as f64), f32::INFINITY)
+        } else {
+            (Some((low, high)), nearest)
+        };
+        let cells = bounds.and_then(|(low, high)| cells(low, high, bins.cells));
+        shadowing(cells.ok_or(Skipped::Outside)?, nearest, bins, skips)
     }
 
     /// Bounds on the grid of a triangle that reaches behind the light: it is clipped to the
@@ -96,7 +105,8 @@ impl Vertices {
         (batch.ids[k], batch.items[k]) = (id, item);
         (batch.middle[0][k], batch.middle[1][k]) = (middle(item.columns), middle(item.rows));
         batch.reach[k] = f64::from(wide) / 2.0 + 1.0;
-        let vertices = corners.map(|v| &self.exact[v as usize]);
+        let [a, b, c] = corners;
+        let vertices = [&self.exact[a as usize], &self.exact[b as usize], &self.exact[c as usize]];
         batch.far[k] = vertices[0].far.max(vertices[1].far).max(vertices[2].far);
         for (corner, vertex) in vertices.iter().enumerate() {
             for axis in 0..3 {
@@ -152,9 +162,9 @@ impl Planes {
     #[inline(always)]
     pub(super) fn get(&self, k: usize) -> Plane {
         Plane {
-            origin: self.origin.map(|x| x[k]),
-            edges: self.edges.map(|edge| edge.map(|x| x[k])),
-            depth: self.depth.map(|x| x[k]),
+            origin: [self.origin[0][k], self.origin[1][k]],
+            edges: [at(&self.edges[0], k), at(&self.edges[1], k), at(&self.edges[2], k)],
+            depth: at(&self.depth, k),
             per_depth: self.per_depth[k],
             depth_error: self.depth_error[k],
         }
@@ -176,28 +186,33 @@ impl Batch {
     /// The planes of all triangles.
     #[inline(always)]
     pub(super) fn planes(&self, frame: &Frame) -> Planes {
-        let middle = self.middle.map(Lanes);
+        let middle = [Lanes(self.middle[0]), Lanes(self.middle[1])];
         // Relative to the middle of the cells, so that small triangles keep their digits.
-        let v = self.corners.map(|corner| {
-            let [x, y, z] = corner.map(Lanes);
-            [x - middle[0] * z, y - middle[1] * z, z]
-        });
+        let v = [
+            beside(&self.corners[0], middle),
+            beside(&self.corners[1], middle),
+            beside(&self.corners[2], middle),
+        ];
         let e = [cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])];
         let det = v[0][0] * e[0][0] + v[0][1] * e[0][1] + v[0][2] * e[0][2];
         let bounds = Bounds::new(&v, Lanes(self.far), Lanes(self.reach), frame);
         let decided = det.abs().exceeds(bounds.area * 4.0);
-        let [e0, e1, e2] = e.map(|e| bounds.edge(e, decided * det.signum()));
+        let side = decided * det.signum();
+        let edges = [bounds.edge(e[0], side), bounds.edge(e[1], side), bounds.edge(e[2], side)];
         let inverse = (det + (Lanes::splat(1.0) - decided)).recip();
-        let q = self.weights.map(Lanes);
-        let weighted = |i: usize| (e[0][i] * q[0] + e[1][i] * q[1] + e[2][i] * q[2]) * inverse;
-        let depth = [weighted(0), weighted(1), weighted(2)];
+        let q = [Lanes(self.weights[0]), Lanes(self.weights[1]), Lanes(self.weights[2])];
+        let depth = [
+            (e[0][0] * q[0] + e[1][0] * q[1] + e[2][0] * q[2]) * inverse,
+            (e[0][1] * q[0] + e[1][1] * q[1] + e[2][1] * q[2]) * inverse,
+            (e[0][2] * q[0] + e[1][2] * q[1] + e[2][2] * q[2]) * inverse,
+        ];
         let weight = q[0].abs().max(q[1].abs()).max(q[2].abs());
         let error = bounds.depth(depth, weight, inverse.abs(), frame.depth_scale);
         let unit = decided * (error + Lanes::splat(1e-300)).recip();
         Planes {
-            origin: middle.map(Lanes::narrow),
-            edges: [e0, e1, e2],
-            depth: depth.map(|d| (d * unit).narrow()),
+            origin: [middle[0].narrow(), middle[1].narrow()],
+            edges,
+            depth: scaled(depth, unit),
             per_depth: unit.narrow(),
             depth_error: (error * 1.001).narrow(),
         }
@@ -218,9 +233,8 @@ struct Bounds {
 impl Bounds {
     #[inline(always)]
     fn new(v: &[[Lanes; 3]; 3], far: Lanes, reach: Lanes, frame: &Frame) -> Self {
-        let largest = |axis: usize| v[0][axis].abs().max(v[1][axis].abs()).max(v[2][axis].abs());
-        let height = largest(2);
-        let size = largest(0).max(largest(1)).max(height);
+        let height = largest(v, 2);
+        let size = largest(v, 0).max(largest(v, 1)).max(height);
         let vertex_error = far * frame.rounding + Lanes::splat(frame.shift_rounding);
         let rough = vertex_error * size * (reach + Lanes::splat(1.0)) * 4.0;
         let cells = Lanes::splat(1.5 * frame.cells as f64);
@@ -233,7 +247,7 @@ impl Bounds {
         let slope = e[0].abs() + e[1].abs();
         let error = slope * self.place + e[2].abs() * (4.0 * U32) + self.rough;
         let unit = side * (error + Lanes::splat(1e-300)).recip();
-        e.map(|e| (e * unit).narrow())
+        scaled(e, unit)
     }
 
     /// The error of the depth of a plane.
@@ -246,6 +260,30 @@ impl Bounds {
             + weight * self.rough * inverse * 4.0
             + self.area * inverse * (size + slope * self.reach)
     }
+}
+
+/// One triangle's share of three numbers.
+#[inline(always)]
+fn at(values: &[[f32; BATCH]; 3], k: usize) -> [f32; 3] {
+    [values[0][k], values[1][k], values[2][k]]
+}
+
+#[inline(always)]
+fn scaled(plane: [Lanes; 3], unit: Lanes) -> [[f32; BATCH]; 3] {
+    [(plane[0] * unit).narrow(), (plane[1] * unit).narrow(), (plane[2] * unit).narrow()]
+}
+
+/// A vertex relative to the middle of the cells.
+#[inline(always)]
+fn beside(corner: &[[f64; BATCH]; 3], middle: [Lanes; 2]) -> [Lanes; 3] {
+    let z = Lanes(corner[2]);
+    [Lanes(corner[0]) - middle[0] * z, Lanes(corner[1]) - middle[1] * z, z]
+}
+
+/// The largest magnitude of a coordinate.
+#[inline(always)]
+fn largest(v: &[[Lanes; 3]; 3], axis: usize) -> Lanes {
+    v[0][axis].abs().max(v[1][axis].abs()).max(v[2][axis].abs())
 }
 
 /// The lesser of two numbers, in one instruction: `f32::min` also looks for NaN.
@@ -310,7 +348,12 @@ fn cells(low: [f32; 2], high: [f32; 2], cells: usize) -> Option<[[u16; 2]; 2]> {
 
 /// The item, unless every receiver of its cells is nearer to the light, or there is none.
 #[inline(always)]
-fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Option<Item> {
+fn shadowing(
+    [columns, rows]: [[u16; 2]; 2],
+    nearest: f32,
+    bins: &Bins,
+    skips: Skips,
+) -> Result<Item, Skipped> {
     let block = |x: u16| usize::from(x) / BLOCK;
     let mut farthest = f32::INFINITY;
     for row in block(rows[0])..=block(rows[1]) {
@@ -318,9 +361,14 @@ fn shadowing([columns, rows]: [[u16; 2]; 2], nearest: f32, bins: &Bins) -> Optio
         let run = &bins.farthest[base + block(columns[0])..=base + block(columns[1])];
         farthest = run.iter().fold(farthest, |m, &x| lesser(m, x));
     }
-    let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
-    let shadows = farthest < f32::INFINITY && nearest + margin >= farthest;
     let (left, right) = (usize::from(columns[0]), usize::from(columns[1]) + 1);
     let full = |row: u16| !bins.run(usize::from(row), left, right).is_empty();
-    (shadows && (rows[0]..=rows[1]).any(full)).then_some(Item { columns, rows })
+    if skips.empty && (farthest == f32::INFINITY || !(rows[0]..=rows[1]).any(full)) {
+        return Err(Skipped::Empty);
+    }
+    let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
+    if skips.behind && nearest + margin < farthest {
+        return Err(Skipped::Behind);
+    }
+    Ok(Item { columns, rows })
 }

@@ -1,4 +1,5 @@
 //! The sweep: every triangle over the receivers of its cells, sixteen at a time.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -8,10 +9,11 @@ use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, LANES};
 use super::frame::Frame;
-use super::lanes::BATCH;
 use super::setup::{Batch, Item, Plane, Vertices};
+use super::work::{Skips, Work};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
+use crate::simd::lanes::BATCH;
 
 /// What all chunks share.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +27,7 @@ pub(super) struct Shared<'a> {
     pub(super) bins: &'a Bins,
     pub(super) vertices: &'a Vertices,
     pub(super) known: &'a Known,
+    pub(super) skips: Skips,
 }
 
 /// Depth bounds of the occluders found so far, by sorted receiver: that of the nearest is at most
@@ -46,7 +49,8 @@ impl Known {
 
     #[inline(always)]
     fn get(&self, place: usize) -> [f32; 2] {
-        self.bounds[place].each_ref().map(|x| f32::from_bits(x.load(Relaxed)))
+        let [near, far] = &self.bounds[place];
+        [f32::from_bits(near.load(Relaxed)), f32::from_bits(far.load(Relaxed))]
     }
 
     fn tighten(&self, place: usize, depths: [f32; 2]) {
@@ -71,9 +75,7 @@ pub(super) struct Found {
     pub(super) touching: Vec<u32>,
     /// Segments about which nothing can be said.
     pub(super) void: Vec<u32>,
-    /// Triangles swept, and candidates that f32 left open.
-    pub(super) triangles: u64,
-    pub(super) escalated: u64,
+    pub(super) work: Work,
 }
 
 /// A chunk of triangles to be run over all receivers.
@@ -89,12 +91,14 @@ impl Kernel for Chunk<'_> {
 
     #[inline(always)]
     fn run(mut self, _has_fma: bool) -> Found {
-        let Shared { geometry, vertices, bins, .. } = self.shared;
+        let Shared { geometry, vertices, bins, skips, .. } = self.shared;
         let mut batch = Batch::EMPTY;
         for id in self.ids.clone() {
             let corners = geometry.triangles[id as usize];
-            if let Some(item) = vertices.item(corners, bins) {
-                vertices.load(&mut batch, id, corners, item);
+            self.found.work.triangles += 1;
+            match vertices.item(corners, bins, skips) {
+                Ok(item) => vertices.load(&mut batch, id, corners, item),
+                Err(skipped) => self.found.work.skip(skipped),
             }
             if batch.len == BATCH {
                 self.sweep(&mut batch);
@@ -110,7 +114,7 @@ impl Chunk<'_> {
     #[inline(always)]
     fn sweep(&mut self, batch: &mut Batch) {
         let planes = batch.planes(self.shared.frame);
-        self.found.triangles += batch.len as u64;
+        self.found.work.swept += batch.len as u64;
         for k in 0..batch.len {
             self.sweep_one(batch.ids[k], batch.items[k], &planes.get(k));
         }
@@ -123,13 +127,14 @@ impl Chunk<'_> {
         let (left, right) = (usize::from(item.columns[0]), usize::from(item.columns[1]) + 1);
         for row in item.rows[0]..=item.rows[1] {
             let run = bins.run(usize::from(row), left, right);
+            self.found.work.evaluated += run.len() as u64;
             let mut at = run.start;
             while at < run.end {
                 let lanes = (run.end - at).min(LANES);
                 let tests = Tests::new(plane, bins, at);
                 let mut candidates = tests.candidates() & (u32::MAX >> (32 - lanes));
                 if candidates != 0 {
-                    candidates &= others(&bins.own[at..at + LANES], id);
+                    candidates &= others(load(&bins.own, at), id);
                 }
                 while candidates != 0 {
                     let lane = candidates.trailing_zeros() as usize;
@@ -145,7 +150,7 @@ impl Chunk<'_> {
     /// A receiver that the triangle may shadow or touch.
     #[inline(never)]
     fn candidate(&mut self, id: u32, error: f32, (inside, nearer): (f32, f32), place: usize) {
-        let Shared { bins, known, frame, .. } = self.shared;
+        let Shared { bins, known, frame, skips, .. } = self.shared;
         if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
@@ -153,7 +158,7 @@ impl Chunk<'_> {
         let depth = receiver_depth + nearer * error;
         let depths = [depth - 2.0 * error, depth + 2.0 * error];
         let [near, far] = known.get(place);
-        let between = depths[0] > near && depths[1] < far;
+        let between = skips.between && depths[0] > near && depths[1] < far;
         if !(between && depths[1] < frame.order_limit(receiver_depth)) {
             self.inside(id, place, depths);
         }
@@ -172,7 +177,7 @@ impl Chunk<'_> {
     /// A candidate that f32 does not decide.
     #[cold]
     fn undecided(&mut self, id: u32, place: usize) {
-        self.found.escalated += 1;
+        self.found.work.escalated += 1;
         let segment = self.segment(place);
         if segment.is_void() {
             return self.found.void.push(place as u32);
@@ -227,14 +232,15 @@ struct Tests {
 impl Tests {
     #[inline(always)]
     fn new(plane: &Plane, bins: &Bins, at: usize) -> Self {
-        let load =
-            |values: &[f32]| -> [f32; LANES] { std::array::from_fn(|k| values[at..at + LANES][k]) };
-        let (x, y, depth) = (load(&bins.x), load(&bins.y), load(&bins.depth));
+        let (x, y, depth) = (load(&bins.x, at), load(&bins.y, at), load(&bins.depth, at));
         let mut tests = Self { inside: [0.0; LANES], nearer: [0.0; LANES] };
+        let [[a0, b0, c0], [a1, b1, c1], [a2, b2, c2]] = plane.edges;
+        let [a, b, c] = plane.depth;
         for k in 0..LANES {
             let (dx, dy) = (x[k] - plane.origin[0], y[k] - plane.origin[1]);
-            let [e0, e1, e2] = plane.edges.map(|[a, b, c]| a * dx + b * dy + c);
-            let [a, b, c] = plane.depth;
+            let e0 = a0 * dx + b0 * dy + c0;
+            let e1 = a1 * dx + b1 * dy + c1;
+            let e2 = a2 * dx + b2 * dy + c2;
             let least = if e0 < e1 { e0 } else { e1 };
             tests.inside[k] = if least < e2 { least } else { e2 };
             tests.nearer[k] = a * dx + b * dy + (c - depth[k] * plane.per_depth);
@@ -253,13 +259,17 @@ impl Tests {
     }
 }
 
+#[inline(always)]
+fn load<T>(values: &[T], at: usize) -> &[T; LANES] {
+    values[at..at + LANES].first_chunk().expect("as long as that")
+}
+
 /// One bit for each receiver that does not lie on triangle `id`.
 #[inline(always)]
-fn others(own: &[u32], id: u32) -> u32 {
-    let own: [u32; LANES] = std::array::from_fn(|k| own[k]);
+fn others(own: &[u32; LANES], id: u32) -> u32 {
     let mut bits = 0;
-    for (k, own) in own.iter().enumerate() {
-        bits |= u32::from(*own != id) << k;
+    for k in 0..LANES {
+        bits |= u32::from(own[k] != id) << k;
     }
     bits
 }

@@ -1,59 +1,80 @@
 //! Eight f64 at a time, as arrays that the compiler keeps in vectors.
+//!
+//! Loops over indices, not `array::from_fn` or `map`: their closures are compiled on their own, for
+//! the target's baseline, and called lane by lane.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
-use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
-/// Triangles that are set up at once.
-pub(super) const BATCH: usize = 8;
+/// How many there are.
+pub const BATCH: usize = 8;
 
 /// Eight numbers; every operation is IEEE's, lane by lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Lanes(pub(super) [f64; BATCH]);
+pub struct Lanes(pub [f64; BATCH]);
 
 impl Lanes {
+    /// The same number eight times.
     #[inline(always)]
-    pub(super) fn splat(x: f64) -> Self {
+    #[must_use]
+    pub fn splat(x: f64) -> Self {
         Self([x; BATCH])
     }
 
     #[inline(always)]
     fn zip(self, other: Self, op: impl Fn(f64, f64) -> f64) -> Self {
-        Self(from_fn(|k| op(self.0[k], other.0[k])))
+        let mut out = [0.0; BATCH];
+        for k in 0..BATCH {
+            out[k] = op(self.0[k], other.0[k]);
+        }
+        Self(out)
     }
 
+    /// Magnitudes.
     #[inline(always)]
-    pub(super) fn abs(self) -> Self {
-        Self(from_fn(|k| self.0[k].abs()))
+    #[must_use]
+    pub fn abs(self) -> Self {
+        self.zip(self, |x, _| x.abs())
     }
 
     /// The larger one; the other one where one is not a number.
     #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
 
+    /// 1/x, rounded once.
     #[inline(always)]
-    pub(super) fn recip(self) -> Self {
-        Self(from_fn(|k| 1.0 / self.0[k]))
+    #[must_use]
+    pub fn recip(self) -> Self {
+        self.zip(self, |x, _| 1.0 / x)
     }
 
     /// 1 where `self > other`, else 0.
     #[inline(always)]
-    pub(super) fn exceeds(self, other: Self) -> Self {
+    #[must_use]
+    pub fn exceeds(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { 1.0 } else { 0.0 })
     }
 
     /// 1 with the sign of the number.
     #[inline(always)]
-    pub(super) fn signum(self) -> Self {
-        Self(from_fn(|k| if self.0[k] < 0.0 { -1.0 } else { 1.0 }))
+    #[must_use]
+    pub fn signum(self) -> Self {
+        self.zip(self, |x, _| if x < 0.0 { -1.0 } else { 1.0 })
     }
 
     /// Rounded to f32.
     #[inline(always)]
-    pub(super) fn narrow(self) -> [f32; BATCH] {
-        from_fn(|k| self.0[k] as f32)
+    #[must_use]
+    pub fn narrow(self) -> [f32; BATCH] {
+        let mut out = [0.0; BATCH];
+        for k in 0..BATCH {
+            out[k] = self.0[k] as f32;
+        }
+        out
     }
 }
 

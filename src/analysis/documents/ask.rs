@@ -1,0 +1,75 @@
+//! What the command line asks of the main job: which cases, on which device, by which map and effort.
+
+use super::{Options, Which};
+use crate::analysis::captured::{self, CapturedArguments};
+use crate::analysis::effort::EffortArguments;
+use crate::device::DeviceProfile;
+use crate::raster::passes::Subject;
+use crate::report::Profile;
+use crate::scene::fit::UserScene;
+use crate::scene::{Case, cases};
+use crate::{Error, Result};
+use std::path::PathBuf;
+
+/// What to measure and how; flatten it into a binary's arguments.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Ask {
+    /// Only this case
+    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
+    pub case: Option<String>,
+    /// A scene of the user's own.
+    #[command(flatten)]
+    pub scene: UserScene,
+    /// Measure on this device profile instead of each case's own
+    #[arg(long, value_name = "PROFILE")]
+    pub device: Option<DeviceProfile>,
+    /// A map that an engine drew.
+    #[command(flatten)]
+    pub captured: CapturedArguments,
+    /// Also write the map of the one case here, as it would be captured (.png, .exr or .raw)
+    #[arg(long, value_name = "FILE")]
+    pub save_map: Option<PathBuf>,
+    /// How to measure.
+    #[command(flatten)]
+    pub effort: EffortArguments,
+}
+
+impl Ask {
+    /// The options of the main job. Reads the scene and the captured map, writes the asked map.
+    ///
+    /// # Errors
+    /// As reading and writing them.
+    pub fn options(&self, profile: Profile, seed: u64) -> Result<Options> {
+        let mut one = self.one()?;
+        let captured = match &mut one {
+            Some(case) => self.captured.apply(case, self.scene.file.scene.is_some())?,
+            None if self.captured.map_file.is_none() && self.save_map.is_none() => None,
+            None => {
+                let fix = "give --case or --scene";
+                return Err(Error::bad_input("--map-file, --save-map", "belong to one case", fix));
+            }
+        };
+        if let (Some(path), Some(case)) = (&self.save_map, &one) {
+            let device = case.device.device();
+            captured::write(&Subject::draw(case, &device).map, &device, path)?;
+        }
+        Ok(Options {
+            profile,
+            seed,
+            which: one.map_or(Which::All, |case| Which::Own(Box::new(case))),
+            device: self.device,
+            effort: self.effort.effort(),
+            captured,
+        })
+    }
+
+    /// The one case asked for, on the device asked for.
+    fn one(&self) -> Result<Option<Case>> {
+        let case = match (self.scene.case()?, &self.case) {
+            (Some(own), _) => Some(own),
+            (None, Some(name)) => Some(cases::named(name)?),
+            (None, None) => None,
+        };
+        Ok(case.map(|case| Case { device: self.device.unwrap_or(case.device), ..case }))
+    }
+}

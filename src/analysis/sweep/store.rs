@@ -1,0 +1,108 @@
+//! A map that is encoded texel by texel as it is read, and remembers what it has read.
+
+use super::chart::Chart;
+use crate::device::Device;
+use crate::scene::{MapSpec, TexelFormat};
+use crate::shadow::{self, Texels};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, PoisonError};
+
+/// What the texels of one map return, place by place: bits + 1 of the depth and of the four bytes, 0
+/// where they were not read yet.
+#[derive(Debug)]
+pub(super) struct Decoded {
+    depths: Vec<AtomicU32>,
+    bytes: Vec<AtomicU32>,
+}
+
+impl Decoded {
+    fn new(places: usize, texel: TexelFormat) -> Self {
+        let empty = |n: usize| (0..n).map(|_| AtomicU32::new(0)).collect();
+        let packed = matches!(texel, TexelFormat::Packed(_));
+        Self { depths: empty(places), bytes: empty(if packed { places } else { 0 }) }
+    }
+}
+
+/// The value of a place, read once.
+fn remember(place: &AtomicU32, read: impl FnOnce() -> u32) -> u32 {
+    match place.load(Ordering::Relaxed) {
+        0 => {
+            let bits = read();
+            place.store(bits.wrapping_add(1), Ordering::Relaxed);
+            bits
+        }
+        known => known - 1,
+    }
+}
+
+/// A map of a chart under one format.
+pub(super) struct Store<'s> {
+    spec: MapSpec,
+    /// What each texel was drawn with.
+    pub(super) drawn: Box<dyn Fn(u32) -> Option<f32> + 's>,
+    /// Where a texel's values are remembered.
+    place: Box<dyn Fn(u32) -> usize + 's>,
+    device: Device,
+    decoded: Arc<Decoded>,
+}
+
+impl Chart<'_, '_> {
+    /// The map without a bias.
+    pub(super) fn own_store(&self, texel: TexelFormat) -> Store<'_> {
+        let mut list = self.decoded.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = list.iter().find(|(format, _)| *format == texel).map(|(_, d)| d.clone());
+        let texels = self.size as usize * self.size as usize;
+        let decoded = known.unwrap_or_else(|| {
+            let new = Arc::new(Decoded::new(texels, texel));
+            list.push((texel, new.clone()));
+            new
+        });
+        self.store(texel, |t| self.drawn(t), |t| t as usize, decoded)
+    }
+
+    /// A map drawn otherwise, whose texels have `places` places.
+    pub(super) fn other_store<'s>(
+        &self,
+        texel: TexelFormat,
+        drawn: impl Fn(u32) -> Option<f32> + 's,
+        place: impl Fn(u32) -> usize + 's,
+        places: usize,
+    ) -> Store<'s> {
+        self.store(texel, drawn, place, Arc::new(Decoded::new(places, texel)))
+    }
+
+    fn store<'s>(
+        &self,
+        texel: TexelFormat,
+        drawn: impl Fn(u32) -> Option<f32> + 's,
+        place: impl Fn(u32) -> usize + 's,
+        decoded: Arc<Decoded>,
+    ) -> Store<'s> {
+        let spec = self.spec(texel);
+        let (drawn, place) = (Box::new(drawn), Box::new(place));
+        Store { spec, drawn, place, device: *self.device(), decoded }
+    }
+}
+
+impl Texels for Store<'_> {
+    fn size(&self) -> u32 {
+        self.spec.size
+    }
+
+    fn format(&self) -> TexelFormat {
+        self.spec.texel
+    }
+
+    fn depth(&self, device: &Device, texel: usize) -> f32 {
+        let texel = texel as u32;
+        let read = || shadow::texel_depth(device, &self.spec, (self.drawn)(texel)).to_bits();
+        f32::from_bits(remember(&self.decoded.depths[(self.place)(texel)], read))
+    }
+
+    fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
+        let texel = texel as u32;
+        let read = || shadow::texel_bytes(&self.device, &self.spec, (self.drawn)(texel));
+        let place = self.decoded.bytes.get((self.place)(texel))?;
+        Some(remember(place, || u32::from_le_bytes(read().unwrap_or_default())).to_le_bytes())
+    }
+}

@@ -1,0 +1,157 @@
+//! Families without breakpoints: the literal counts value by value, on the receivers whose verdict can
+//! still change, and thresholds by bisection.
+
+use super::chart::{Attachment, Chart};
+use super::evaluate::{Point, Swept};
+use super::tally::{Kind, Tally};
+use crate::scene::TexelFormat;
+use crate::shadow::bias::{Family, Layers, Strategy, Weights};
+use rayon::prelude::*;
+
+/// The literal counts at one amount, and which receivers are wrong there.
+struct Evaluated {
+    point: Point,
+    wrong: Vec<(u32, Kind)>,
+}
+
+/// The receivers that are wrong at one of two amounts in a way that counts.
+fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
+    let wrong = ends.into_iter().flat_map(|e| &e.wrong).filter(|w| counts(w.1));
+    let mut which: Vec<u32> = wrong.map(|w| w.0).collect();
+    which.sort_unstable();
+    which.dedup();
+    which
+}
+
+/// A strategy on a chart, to be evaluated at any amount.
+struct Literal<'c, 'f, 'a> {
+    chart: &'c Chart<'f, 'a>,
+    format: TexelFormat,
+    strategy: Strategy,
+    weights: Vec<Weights>,
+    all: Vec<u32>,
+}
+
+impl Literal<'_, '_, '_> {
+    /// The counts over the receivers of `which`.
+    fn at(&self, amount: f32, which: &[u32]) -> Evaluated {
+        let rule = self.chart.field.case().lookup.compare;
+        let recipe = self.strategy.with(amount);
+        let (mut tally, mut gap, mut wrong) = (Tally::default(), 0.0f64, Vec::new());
+        for (id, looks) in self.chart.wrong(self.format, &recipe, &self.weights, which) {
+            let bias = recipe.tap_bias(&self.weights[id as usize]);
+            looks.tally(rule, bias, &mut tally);
+            let Some(kind) = looks.verdict(rule, bias).0 else { continue };
+            if kind == Kind::PeterPanning {
+                gap = gap.max(looks.inside);
+            }
+            wrong.push((id, kind));
+        }
+        Evaluated { point: Point { amount, tally, gap }, wrong }
+    }
+
+    /// Whether more of the strategy only ever lights: the nearest surface's depth under a polygon offset
+    /// grows with it, through every rounding (a depth texture is its own attachment and monotone).
+    fn only_lights(&self) -> bool {
+        let recipe = self.strategy.with(1.0);
+        self.strategy.family() == Family::Map
+            && recipe.layers == Layers::Nearest
+            && recipe.oriented == 0.0
+            && Attachment::of(self.format) == Attachment::Depth
+    }
+
+    /// Every amount, ascending. Where more only lights, a receiver that is right at two amounts is right
+    /// between them, and is left out there.
+    fn grid(&self, amounts: &[f32]) -> Vec<Evaluated> {
+        let last = amounts.len().saturating_sub(1);
+        if !self.only_lights() || last < 2 {
+            return amounts.par_iter().map(|&a| self.at(a, &self.all)).collect();
+        }
+        let [first, end] = [amounts[0], amounts[last]].map(|a| self.at(a, &self.all));
+        let inner = self.between(&first, &end, &amounts[1..last]);
+        std::iter::once(first).chain(inner).chain(std::iter::once(end)).collect()
+    }
+
+    fn between(&self, low: &Evaluated, high: &Evaluated, amounts: &[f32]) -> Vec<Evaluated> {
+        let Some(&amount) = amounts.get(amounts.len() / 2) else { return Vec::new() };
+        let middle = self.at(amount, &wrong_at([low, high], |_| true));
+        let (below, above) = amounts.split_at(amounts.len() / 2);
+        let mut list = self.between(low, &middle, below);
+        let above = self.between(&middle, high, &above[1..]);
+        list.push(middle);
+        list.extend(above);
+        list
+    }
+
+    /// The two ends between which `wanted` begins to hold over the receivers of `which`, after
+    /// [`BISECTIONS`] halvings of [without, with].
+    fn narrow(&self, ends: [f32; 2], which: &[u32], wanted: impl Fn(&Tally) -> bool) -> [f32; 2] {
+        let [mut without, mut with] = ends;
+        for _ in 0..BISECTIONS {
+            let middle = without + (with - without) * 0.5;
+            if middle <= without || middle >= with {
+                break;
+            }
+            let holds = wanted(&self.at(middle, which).point.tally);
+            *(if holds { &mut with } else { &mut without }) = middle;
+        }
+        [without, with]
+    }
+
+    /// Where acne falls to the limit: bisected on the receivers that are dark at one of the ends, then
+    /// held against all of them.
+    fn acne_free(&self, below: &Evaluated, at: &Evaluated, limit: i64) -> Point {
+        let quiet = |t: &Tally| t.of(Kind::Acne) <= limit;
+        let ends = [below.point.amount, at.point.amount];
+        let dark = wrong_at([below, at], Kind::is_shadow);
+        let [_, found] = self.narrow(ends, &dark, quiet);
+        let point = self.at(found, &self.all).point;
+        if quiet(&point.tally) {
+            return point;
+        }
+        let [_, found] = self.narrow(ends, &self.all, quiet);
+        self.at(found, &self.all).point
+    }
+
+    /// Where the first shadow detaches: bisected on the receivers that are lit at one of the ends, then
+    /// held against all of them.
+    fn detachment(&self, below: &Evaluated, at: &Evaluated) -> f32 {
+        let pans = |t: &Tally| t.of(Kind::PeterPanning) > 0;
+        let ends = [below.point.amount, at.point.amount];
+        let lit = wrong_at([below, at], |kind| !kind.is_shadow());
+        let [without, found] = self.narrow(ends, &lit, pans);
+        if without == ends[0] || !pans(&self.at(without, &self.all).point.tally) {
+            return found;
+        }
+        self.narrow(ends, &self.all, pans)[1]
+    }
+}
+
+/// Bisections of a threshold between two evaluated amounts: 2⁻¹⁰ of their distance.
+const BISECTIONS: u32 = 10;
+
+/// Sweeps a strategy amount by amount.
+pub(super) fn by_values(
+    chart: &Chart<'_, '_>,
+    mut swept: Swept,
+    amounts: &[f32],
+    limit: i64,
+) -> Swept {
+    let (strategy, format) = (swept.strategy, swept.format);
+    let weights = chart.weights(format);
+    let literal = Literal { chart, format, strategy, weights, all: chart.all() };
+    let grid = literal.grid(amounts);
+    let loud = |e: &Evaluated| e.point.tally.of(Kind::Acne) > limit;
+    let free = grid.iter().rposition(loud).map_or(0, |i| i + 1);
+    swept.acne_free = grid.get(free).map(|at| match free {
+        0 => at.point,
+        _ => literal.acne_free(&grid[free - 1], at, limit),
+    });
+    let pans = |e: &Evaluated| e.point.tally.of(Kind::PeterPanning) > 0;
+    swept.detachment = grid.iter().position(pans).map(|i| match i {
+        0 => grid[0].point.amount,
+        _ => literal.detachment(&grid[i - 1], &grid[i]),
+    });
+    swept.points = grid.into_iter().map(|e| e.point).collect();
+    swept
+}

@@ -1,0 +1,40 @@
+//! Drawing triangle by triangle, pixel by pixel: the arbiter of the fast path.
+
+use super::{NO_TRIANGLE, Pass, Raster, Setup, depth_key};
+use crate::device::Device;
+use glam::Vec4;
+
+/// Draws triangles in order with depth test LESS into a buffer cleared to 1.
+#[must_use]
+pub fn draw_each(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
+    let [width, height] = pass.size;
+    let texels = width as usize * height as usize;
+    let mut raster = Raster {
+        size: pass.size,
+        depth: vec![1.0; texels],
+        triangle: vec![NO_TRIANGLE; texels],
+        empty_triangles: 0,
+    };
+    let key_of = depth_key(device, pass.depth_buffer);
+    let mut keys = vec![key_of(1.0); texels];
+    for (id, t) in triangles.iter().enumerate() {
+        let setup = Setup::new(device, pass.size, t.map(|v| clip[v as usize]));
+        let depth = setup.depth.moved(setup.offset(device, pass.depth_buffer, pass.offset));
+        let drawn = setup.cover(device, pass.size, pass.cull, |y, first, end| {
+            let row = depth.row(y as f32);
+            let start = y as usize * width as usize;
+            for x in first..end {
+                let z = row.at(x as f32);
+                let z = if device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z };
+                let (key, at) = (key_of(z), start + x as usize);
+                if key < keys[at] {
+                    keys[at] = key;
+                    raster.depth[at] = z;
+                    raster.triangle[at] = id as u32;
+                }
+            }
+        });
+        raster.empty_triangles += u64::from(!drawn);
+    }
+    raster
+}

@@ -1,0 +1,146 @@
+//! The depth test's key of eight fragments at a time.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
+
+use crate::depth::{DepthFormat, UnormStore};
+use crate::device::Device;
+use crate::simd::lanes::BATCH;
+
+/// How a fragment's depth becomes the code that the depth test compares.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthTest {
+    format: DepthFormat,
+    store: UnormStore,
+    /// Subnormal depths become 0.
+    flush: bool,
+    /// The code is the bit pattern.
+    is_plain: bool,
+    /// Depths are clamped to [0,1] before they are kept.
+    clamp: bool,
+}
+
+impl DepthTest {
+    pub(super) fn new(device: &Device, format: DepthFormat) -> Self {
+        let (format, flush) = (device.depth_format(format), device.flush_denormals);
+        Self {
+            format,
+            store: device.store,
+            flush,
+            is_plain: format == DepthFormat::F32 && !flush,
+            clamp: device.clamp_frag_z,
+        }
+    }
+
+    /// The depths that are kept.
+    #[inline(always)]
+    pub(super) fn kept(&self, mut z: [f32; BATCH]) -> [f32; BATCH] {
+        if self.clamp {
+            for k in 0..BATCH {
+                z[k] = clamp(z[k]);
+            }
+        }
+        z
+    }
+
+    /// The codes: what `DepthFormat::encode_with` makes of each.
+    #[allow(clippy::manual_clamp, reason = "`clamp` keeps NaN, which must become 0")]
+    #[inline(always)]
+    pub(super) fn codes(&self, mut z: [f32; BATCH]) -> [u32; BATCH] {
+        // NaN and what lies below 0 become 0; a sum with 0 has no sign.
+        for k in 0..BATCH {
+            z[k] = z[k].max(0.0).min(1.0) + 0.0;
+        }
+        if self.is_plain {
+            let mut codes = [0; BATCH];
+            for k in 0..BATCH {
+                codes[k] = z[k].to_bits();
+            }
+            return codes;
+        }
+        self.rounded(z)
+    }
+
+    /// The codes of depths in [0,1].
+    #[inline(never)]
+    fn rounded(&self, mut z: [f32; BATCH]) -> [u32; BATCH] {
+        let least = if self.flush { f32::MIN_POSITIVE } else { 0.0 };
+        z.iter_mut().for_each(|z| *z = if *z >= least { *z } else { 0.0 });
+        match self.format.unorm_max() {
+            Some(max) => unorm(self.store, z, max),
+            None => each(z, |z| self.format.encode(z)),
+        }
+    }
+}
+
+#[inline(always)]
+fn each(z: [f32; BATCH], code: impl Fn(f32) -> u32) -> [u32; BATCH] {
+    let mut codes = [0; BATCH];
+    for k in 0..BATCH {
+        codes[k] = code(z[k]);
+    }
+    codes
+}
+
+/// [`f32::clamp`] to [0,1], which keeps NaN and −0.
+#[inline(always)]
+fn clamp(z: f32) -> f32 {
+    let z = if z < 0.0 { 0.0 } else { z };
+    if z > 1.0 { 1.0 } else { z }
+}
+
+/// [`UnormStore::code`] of depths in [0,1] without a branch.
+#[inline(always)]
+fn unorm(store: UnormStore, z: [f32; BATCH], max: u32) -> [u32; BATCH] {
+    let (wide, narrow) = (f64::from(max), max as f32);
+    match store {
+        UnormStore::Exact => each(z, |z| nearest(f64::from(z) * wide).min(max)),
+        UnormStore::HalfEven => each(z, |z| nearest(f64::from(z * narrow)).min(max)),
+        UnormStore::HalfUp => each(z, |z| ((z * narrow + 0.5) as u32).min(max)),
+        UnormStore::Truncate => each(z, |z| ((z * narrow) as u32).min(max)),
+    }
+}
+
+/// The nearest integer, ties to even, of 0 ≤ x < 2³²; 2³² − 1 of 2³². The sum with 2⁵² has a last
+/// place of 1.
+#[inline(always)]
+fn nearest(x: f64) -> u32 {
+    let x = if x < 4_294_967_295.0 { x } else { 4_294_967_295.0 };
+    (x + (1u64 << 52) as f64).to_bits() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::DeviceProfile;
+    use crate::num::from_ordinal;
+    use std::array::from_fn;
+
+    #[test]
+    fn eight_codes_are_those_of_one() {
+        let odd = [f32::NAN, -0.0, -1.0, 2.0, f32::INFINITY, f32::MIN_POSITIVE, 1e-40, 1.0];
+        let near = (0..=255).flat_map(|k| {
+            let middle = ((f64::from(k) + 0.5) / 255.0) as f32;
+            [-1i32, 0, 1].map(|step| from_ordinal(crate::num::ordinal(middle) + step))
+        });
+        let depths: Vec<f32> = odd.into_iter().chain(near).chain([0.5; BATCH]).collect();
+        for (&profile, &format) in
+            DeviceProfile::ALL.iter().flat_map(|p| DepthFormat::ALL.iter().map(move |f| (p, f)))
+        {
+            for &store in UnormStore::ALL {
+                let device = Device { store, ..profile.device() };
+                let test = DepthTest::new(&device, format);
+                for depths in depths.windows(BATCH) {
+                    let depths: [f32; BATCH] = from_fn(|k| depths[k]);
+                    let one =
+                        |z: f32| device.depth_format(format).encode_with(store, device.flush(z));
+                    assert_eq!(
+                        test.codes(depths),
+                        depths.map(one),
+                        "{profile} {format} {depths:?}"
+                    );
+                    let kept = depths.map(|z| if test.clamp { z.clamp(0.0, 1.0) } else { z });
+                    assert_eq!(test.kept(depths).map(f32::to_bits), kept.map(f32::to_bits));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! Drawing by tiles: triangles are binned once, and each band of tiles is drawn by one thread.
+//!
+//! Memory: 8 bytes a texel of the result; beside it 8 a vertex, about 5 a triangle and 12 a pixel of
+//! the one tile that a thread holds.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
+
+use super::batch::{self, Batch, FINEST};
+use super::bins::{Bins, Place, Scene, is_clipped, places};
+use super::plane::Plane;
+use super::test::DepthTest;
+use super::tile::{Exact, Surface, TILE, Tile};
+use super::{Pass, Raster, draw_each};
+use crate::device::{Device, PlaneSetup};
+use crate::simd::lanes::BATCH;
+use crate::simd::{Kernel, Level};
+use glam::Vec4;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Targets with a longer side are drawn triangle by triangle: places must fit into 2²⁴.
+const LARGEST: u32 = 1 << 16;
+
+/// Draws triangles in order with depth test LESS into a buffer cleared to 1, on all of rayon's
+/// threads: bit for bit what [`draw_each`] writes.
+#[must_use]
+pub fn draw(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
+    draw_at(Level::best(), device, pass, clip, triangles)
+}
+
+/// [`draw`] with a chosen instruction set.
+///
+/// # Panics
+/// When the machine lacks the level.
+#[must_use]
+pub fn draw_at(
+    level: Level,
+    device: &Device,
+    pass: &Pass,
+    clip: &[Vec4],
+    triangles: &[[u32; 3]],
+) -> Raster {
+    let mut raster =
+        Raster { size: pass.size, depth: Vec::new(), triangle: Vec::new(), empty_triangles: 0 };
+    draw_into(&mut raster, level, device, pass, clip, triangles);
+    raster
+}
+
+/// [`draw_at`] over an older raster, whose memory is used again.
+///
+/// # Panics
+/// When the machine lacks the level.
+pub fn draw_into(
+    raster: &mut Raster,
+    level: Level,
+    device: &Device,
+    pass: &Pass,
+    clip: &[Vec4],
+    triangles: &[[u32; 3]],
+) {
+    let [width, height] = pass.size;
+    if device.subpixel_bits > FINEST || width.max(height) > LARGEST {
+        *raster = draw_each(device, pass, clip, triangles);
+        return;
+    }
+    let scene = Scene { device, pass, clip, triangles };
+    let places = &scene.places(level);
+    let bins = &scene.bins(places, level);
+    let drawn: &Vec<AtomicBool> = &triangles.iter().map(|_| AtomicBool::new(false)).collect();
+    let texels = width as usize * height as usize;
+    if raster.depth.len() != texels || raster.triangle.len() != texels {
+        // Zeroed pages are first touched by the thread that draws them.
+        (raster.depth, raster.triangle) = (vec![0.0; texels], vec![0; texels]);
+    }
+    let band = (width * TILE).max(1) as usize;
+    let depths = raster.depth.par_chunks_mut(band);
+    let bands = depths.zip(raster.triangle.par_chunks_mut(band)).enumerate();
+    bands.for_each(|(row, (depth, triangle))| {
+        level.run(Band { scene, places, bins, drawn, row, depth, triangle });
+    });
+    raster.size = pass.size;
+    raster.empty_triangles = drawn.iter().map(|drawn| u64::from(!drawn.load(Relaxed))).sum();
+}
+
+/// A row of tiles, and where it goes.
+struct Band<'a> {
+    scene: Scene<'a>,
+    places: &'a [Place],
+    bins: &'a [Bins],
+    /// Triangles that cover a pixel.
+    drawn: &'a [AtomicBool],
+    row: usize,
+    depth: &'a mut [f32],
+    triangle: &'a mut [u32],
+}
+
+impl Kernel for Band<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self, _: bool) {
+        let Scene { device, pass, .. } = self.scene;
+        let width = pass.size[0] as usize;
+        let [columns, _] = self.scene.tiles();
+        let tile = Tile::new(DepthTest::new(device, pass.depth_buffer));
+        let mut brush = Brush {
+            scene: self.scene,
+            places: self.places,
+            drawn: self.drawn,
+            batch: Batch::EMPTY,
+            tile,
+            origin: [0, self.row as u32 * TILE],
+        };
+        for column in 0..columns {
+            brush.origin[0] = column as u32 * TILE;
+            brush.tile.clear();
+            let number = self.row * columns + column;
+            // Loops, not closures: those would not be compiled for the level.
+            for bins in self.bins {
+                brush.draw(bins.tile(number));
+            }
+            let left = column * TILE as usize;
+            let right = (left + TILE as usize).min(width);
+            let rows = self.depth.chunks_mut(width).zip(self.triangle.chunks_mut(width));
+            for (y, (depth, triangle)) in rows.enumerate() {
+                brush.tile.copy_row(y, &mut depth[left..right], &mut triangle[left..right]);
+            }
+        }
+    }
+}
+
+/// Draws into one tile.
+struct Brush<'a> {
+    scene: Scene<'a>,
+    places: &'a [Place],
+    drawn: &'a [AtomicBool],
+    batch: Batch,
+    tile: Tile,
+    /// The tile's first pixel.
+    origin: [u32; 2],
+}
+
+impl Brush<'_> {
+    /// Draws triangles in order: small ones eight at a time, those before a large one first.
+    #[inline(always)]
+    fn draw(&mut self, ids: &[u32]) {
+        let Scene { clip, triangles, .. } = self.scene;
+        let mut at = 0;
+        while at < ids.len() {
+            let mut large = None;
+            while at < ids.len() && self.batch.len < BATCH && large.is_none() {
+                let id = ids[at];
+                let [a, b, c] = triangles[id as usize];
+                let places = places(self.places, [a, b, c]);
+                if is_clipped(places) || !batch::fits(places) {
+                    large = Some(id);
+                } else {
+                    let corners = [clip[a as usize], clip[b as usize], clip[c as usize]];
+                    self.batch.push(id, places, corners);
+                }
+                at += 1;
+            }
+            self.sweep();
+            if let Some(id) = large {
+                self.large(id);
+            }
+        }
+    }
+
+    /// Draws the triangles of the batch, and empties it.
+    #[inline(always)]
+    fn sweep(&mut self) {
+        let len = std::mem::take(&mut self.batch.len);
+        let Scene { device, pass, .. } = self.scene;
+        let edges = self.batch.edges(device.subpixel_bits);
+        let planes = self.batch.planes(device.subpixel_bits);
+        let is_moved = pass.offset.factor != 0.0 || pass.offset.units != 0.0;
+        let in_lanes = device.setup == PlaneSetup::Exact && !is_moved;
+        for k in 0..len {
+            let (id, edges) = (self.batch.ids[k], edges.get(k));
+            if !in_lanes {
+                if let Some(plane) = self.plane(id) {
+                    self.small(id, &edges, &plane);
+                }
+                continue;
+            }
+            let [a, b, c] = [planes[0].0[k], planes[1].0[k], planes[2].0[k]];
+            if a.is_finite() & b.is_finite() & c.is_finite() {
+                // An offset of 0 is added as well: it makes −0 to 0.
+                self.small(id, &edges, &Exact([a + 0.0, b + 0.0, c + 0.0]));
+            }
+        }
+    }
+
+    /// The offset plane of a triangle, if it has one.
+    #[inline(never)]
+    fn plane(&self, id: u32) -> Option<Plane> {
+        let Scene { device, pass, .. } = self.scene;
+        let setup = self.scene.setup(id);
+        moved(setup.depth, setup.offset(device, pass.depth_buffer, pass.offset))
+    }
+
+    /// Draws a triangle by its edge functions.
+    #[inline(always)]
+    fn small<S: Surface>(&mut self, id: u32, edges: &batch::Edge3, plane: &S) {
+        let [[left, right], [bottom, top]] = edges.samples;
+        let (x0, y0) = (self.origin[0] as i32, self.origin[1] as i32);
+        let last = TILE as i32;
+        let (first_x, first_y) = (left.max(x0), bottom.max(y0));
+        let (end_x, end_y) = (right.min(x0.wrapping_add(last)), top.min(y0.wrapping_add(last)));
+        let (ramps, mut rise) = (edges.ramps(), edges.rise(first_x, first_y));
+        let mut never = [-1; BATCH];
+        for y in first_y..end_y {
+            let row = S::row(plane, y as f32);
+            let (mut x, mut along) = (first_x, rise);
+            while x < end_x {
+                let outside = batch::outside(&ramps, along);
+                for k in 0..BATCH {
+                    never[k] &= outside[k];
+                }
+                let place = [x.wrapping_sub(x0) as u32, y.wrapping_sub(y0) as u32];
+                self.tile.draw(place, outside, S::along(row, x as u32), id);
+                x = x.wrapping_add(BATCH as i32);
+                for i in 0..3 {
+                    let eight = edges.step[i][0].wrapping_mul(BATCH as i32);
+                    along[i] = along[i].wrapping_add(eight);
+                }
+            }
+            for i in 0..3 {
+                rise[i] = rise[i].wrapping_add(edges.step[i][1]);
+            }
+        }
+        let mut all = -1;
+        for k in 0..BATCH {
+            all &= never[k];
+        }
+        if all >= 0 {
+            self.drawn[id as usize].store(true, Relaxed);
+        }
+    }
+
+    /// Draws a triangle row by row, clipped where it must be.
+    #[inline(always)]
+    fn large(&mut self, id: u32) {
+        let Scene { device, pass, .. } = self.scene;
+        let setup = self.scene.setup(id);
+        let offset = setup.offset(device, pass.depth_buffer, pass.offset);
+        let Some(plane) = moved(setup.depth, offset) else { return };
+        let Some(outline) = setup.projected.outline(device, pass.cull) else { return };
+        let window = [0, 1].map(|k| {
+            let first = self.origin[k];
+            [first, (first + TILE).min(pass.size[k])]
+        });
+        for y in outline.rows(&window) {
+            let row = plane.row(y as f32);
+            let [mut x, end] = outline.span(&window, y);
+            if x < end {
+                self.drawn[id as usize].store(true, Relaxed);
+            }
+            while x < end {
+                let mut outside = [0; BATCH];
+                for k in 0..BATCH {
+                    outside[k] = (end - x) as i32 - 1 - k as i32;
+                }
+                let place = [x - self.origin[0], y - self.origin[1]];
+                self.tile.draw(place, outside, Plane::along(row, x), id);
+                x += BATCH as u32;
+            }
+        }
+    }
+}
+
+/// The plane moved by a polygon offset; none where it is not finite before.
+#[inline(always)]
+fn moved(plane: Plane, by: f32) -> Option<Plane> {
+    plane.is_finite().then(|| plane.moved(by))
+}
