@@ -14,7 +14,7 @@ fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).expect("written")).expect("JSON")
 }
 
-const MINE: &str = "base = 255.0\norder = \"low-first\"\nat_one = [1.0, 1.0, 1.0, 1.0]\n";
+const MINE: &str = "base = 255.0\norder = \"low-first\"\nat_one = [0.0, 0.0, 0.0, 1.0]\n";
 
 /// Babylon's operations with an end case for 1: the user's pair errs alike below 1 and keeps far.
 #[test]
