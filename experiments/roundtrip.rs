@@ -46,6 +46,9 @@ struct Arguments {
     /// Answer for all 1,065,353,217 floats of [0, 1] under every store, FMA and both samplers
     #[arg(long)]
     exhaustive: bool,
+    /// Fraction of the LINEAR filter that has a column of its own
+    #[arg(long, value_name = "T", default_value_t = 0.5)]
+    fraction: f32,
     /// Evaluate every float where intervals would be proved
     #[arg(long)]
     brute: bool,
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
             brute: arguments.brute,
             packings: arguments.packing,
             pair: arguments.pair.as_deref().map(read_pair).transpose()?,
+            fraction: fraction(arguments.fraction)?,
         };
         let progress = Progress::new(options.steps(), "certifying");
         let report = report::report(&options, || progress.step());
@@ -71,6 +75,13 @@ fn main() -> ExitCode {
         arguments.common.finish(&report)?;
         Ok(())
     })
+}
+
+fn fraction(t: f32) -> gnomon::Result<f32> {
+    if (0.0..=1.0).contains(&t) {
+        return Ok(t);
+    }
+    Err(Error::bad_input(format!("--fraction {t}"), "must lie in [0, 1]", "0.5 is half way"))
 }
 
 fn read_pair(path: &Path) -> gnomon::Result<(String, TextPair)> {

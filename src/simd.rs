@@ -51,6 +51,42 @@ impl Level {
         })
     }
 
+    /// Runs `kernel` compiled for this level if that is wider than the baseline. `None` at the
+    /// baseline, where the caller has a scalar path: a kernel that is compiled for many types need
+    /// not be compiled once more for it.
+    ///
+    /// # Panics
+    /// When the machine lacks the level.
+    #[inline]
+    pub fn run_wide<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+        assert!(self <= Self::best(), "this machine has no {self}");
+        match self {
+            Self::Baseline => None,
+            // SAFETY: `best` has verified every feature that the function is compiled for.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => Some(unsafe { run_avx2(kernel) }),
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => Some(unsafe { run_avx512(kernel) }),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => unreachable!("never available here"),
+        }
+    }
+
+    /// Runs scalar work with the instructions of AVX2 where the machine has them (`floor` is one
+    /// instruction there, a call at the baseline).
+    #[inline]
+    pub fn run_scalar<K: Kernel>(kernel: K) -> K::Output {
+        match Self::best() {
+            Self::Baseline => kernel.run(false),
+            // SAFETY: every level above the baseline includes AVX2 and FMA, verified by `best`.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 | Self::Avx512 => unsafe { run_avx2(kernel) },
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => unreachable!("never available here"),
+        }
+    }
+
     /// Runs `kernel` compiled for this level.
     ///
     /// # Panics

@@ -1,7 +1,15 @@
 //! How fast are depths certified? `cargo bench --bench roundtrip [-- whole]`
 //!
 //! Every figure is the least processor time of several rounds on one thread, beside its goal.
-//! `whole` adds every packing × 3 stores, exhaustive, on all threads.
+//! `whole` times every packing × 3 stores, exhaustive, on all threads instead.
+//!
+//! The arithmetic limit of the loop: a vector of the book's round trip takes 61 operations of the two
+//! vector ports, counted in the compiled AVX-512 loop: 1 to make the depths, 4 floors of two, 3
+//! products, 4 differences and 4 minima for the digits, 6 for the masks, 4 × (product, maximum,
+//! minimum, rounding of two) for the bytes, 8 for the samples (k/255 as product and fma), 6 for the
+//! dot product and 1 for the counter. The rate of such operations
+//! is measured in the same run, by multiplications that depend on nothing but themselves, so a machine
+//! that is busy or slow lowers the limit as it lowers the loop.
 
 use gnomon::analysis::roundtrip::survey::{FLOATS, survey_format};
 use gnomon::analysis::roundtrip::{Conditions, Effort, Method, survey};
@@ -9,7 +17,7 @@ use gnomon::depth::roundtrip::{AnyRoundTrip, Path};
 use gnomon::depth::{
     Arithmetic, ByteStore, DepthFormat, FormatTrip, Packing, RoundTrip, UnormLoad, UnormStore,
 };
-use gnomon::simd::Level;
+use gnomon::simd::{Kernel, Level};
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
@@ -18,6 +26,14 @@ use std::time::Instant;
 fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(f64::NAN) / 1e9
+}
+
+/// Seconds of processor time of all threads of this process, to a hundredth.
+fn process_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after_name = text.rsplit(") ").next().unwrap_or_default();
+    let ticks = |i: usize| after_name.split(' ').nth(i).and_then(|t| t.parse::<f64>().ok());
+    (ticks(11).unwrap_or(f64::NAN) + ticks(12).unwrap_or(f64::NAN)) / 100.0
 }
 
 fn least_seconds(rounds: usize, mut work: impl FnMut()) -> f64 {
@@ -38,18 +54,56 @@ fn trip(packing: Packing, load: UnormLoad) -> Box<dyn RoundTrip<f32>> {
     }
 }
 
-/// Depths per second through pack, store, load and unpack, 2²⁴ of [1/8, 1/2) eight times.
+/// Vector operations of the book's loop.
+const LOOP_OPERATIONS: f64 = 61.0;
+/// Multiplications a depth in [`Products`].
+const PRODUCTS: usize = 64;
+
+/// Four independent chains of products for each element: as many as the ports can take.
+struct Products<'a>(&'a mut [f32]);
+
+impl Kernel for Products<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self, _: bool) {
+        for slot in self.0 {
+            let mut chains = [*slot, *slot + 1.0, *slot + 2.0, *slot + 3.0];
+            for _ in 0..PRODUCTS / 4 {
+                for chain in &mut chains {
+                    *chain *= 0.999_999;
+                }
+            }
+            *slot = (chains[0] + chains[1]) + (chains[2] + chains[3]);
+        }
+    }
+}
+
+/// Elements a second that the vector ports could take through the book's loop, by the rate of
+/// [`Products`] (with its six sums).
+fn limit(level: Level) -> f64 {
+    let mut values = vec![1.0f32; 2048];
+    let seconds = least_seconds(9, || {
+        for _ in 0..4096 {
+            level.run(Products(black_box(&mut values)));
+        }
+    });
+    4096.0 * 2048.0 * (PRODUCTS as f64 + 6.0) / LOOP_OPERATIONS / seconds
+}
+
+/// Depths per second through pack, store, load and unpack, 2²⁴ of [1/8, 1/2) eight times (2²⁰ of them at the
+/// baseline).
 fn rate(level: Level, packing: Packing, load: UnormLoad) -> f64 {
     let trip = trip(packing, load);
     let mut out = vec![0.0; 4096];
     let (first, runs) = (0x3e00_0000u32, 1 << 12);
+    let all = if level == Level::Baseline { runs / 16 } else { 8 * runs };
     let seconds = least_seconds(9, || {
-        for run in 0..8 * runs {
+        for run in 0..all {
             trip.run(level, first + run % runs * 4096, &mut out);
             black_box(&mut out);
         }
     });
-    f64::from(8 * runs) * 4096.0 / seconds
+    f64::from(all) * 4096.0 / seconds
 }
 
 fn one_thread() {
@@ -59,9 +113,13 @@ fn one_thread() {
             Level::Avx2 => 0.65,
             Level::Avx512 => 1.2,
         };
+        let limit = limit(level) / 1e9;
         for load in [UnormLoad::Reciprocal, UnormLoad::Divide] {
             let rate = rate(level, Packing::Book, load) / 1e9;
-            println!("book, {load}, {level}: {rate:.2} Gvalues/s (goal {goal})");
+            println!(
+                "book, {load}, {level}: {rate:.2} Gvalues/s (goal {goal}), {:.0} % of the limit {limit:.2}",
+                100.0 * rate / limit
+            );
         }
     }
     let pruned = |packing| {
@@ -89,17 +147,19 @@ fn whole() {
     let stores = [ByteStore::HalfEven, ByteStore::Truncate, ByteStore::Admissible];
     let originals = Packing::ALL.iter().filter(|p| p.original() == **p);
     let jobs: Vec<_> = originals.flat_map(|&p| stores.map(|store| (p, store))).collect();
-    let start = Instant::now();
+    let (start, cpu) = (Instant::now(), process_seconds());
     let evaluated: u64 = jobs
         .par_iter()
         .map(|&(p, store)| effort.certify_packing(p, Conditions::plain(store)).evaluated)
         .sum();
     let answered = FLOATS as f64 * Packing::ALL.len() as f64 * 3.0;
     println!(
-        "{} packings x 3 stores, every float: {:.1} s on {} threads, {:.3} of {:.1} G evaluated",
+        "{} packings x 3 stores, every float: {:.1} s on {} threads, {:.1} s of processor time, \
+         {:.3} of {:.1} G evaluated",
         Packing::ALL.len(),
         start.elapsed().as_secs_f64(),
         rayon::current_num_threads(),
+        process_seconds() - cpu,
         evaluated as f64 / 1e9,
         answered / 1e9,
     );

@@ -83,6 +83,7 @@ impl<F: Raw> Texture<F> {
         }
     }
 
+    #[inline(always)]
     fn stored(&self, x: F) -> F {
         if self.even { x.byte_even() } else { x.byte_floor(self.half) }
     }
@@ -108,30 +109,66 @@ impl<P: Pair, A: Shader, const EVEN: bool> Kernel for Run<'_, P, A, EVEN> {
     fn run(self, has_fma: bool) {
         for (i, slot) in self.out.iter_mut().enumerate() {
             let z = f32::from_bits(self.first.wrapping_add(i as u32));
-            let packed = self.pair.pack(A::enter(A::Raw::from_depth(z)));
-            let sampled = packed.map(|c| {
-                let x = c.leave();
+            let mut channels = self.pair.pack(A::enter(A::Raw::from_depth(z)));
+            for channel in &mut channels {
+                let x = channel.leave();
                 let byte = if EVEN { x.byte_even() } else { x.byte_floor(self.half) };
-                A::enter(byte.product_sum(self.scale, self.rest, has_fma))
-            });
-            *slot = self.pair.unpack(sampled).leave();
+                *channel = A::enter(byte.product_sum(self.scale, self.rest, has_fma));
+            }
+            *slot = self.pair.unpack(channels).leave();
         }
     }
 }
 
+/// The bytes of every depth between two, where they are the same.
+struct Enclose<'a, P, A: Shader> {
+    through: &'a Through<P, A>,
+    depths: Interval<A>,
+}
+
+impl<P: Pair, A: Shader> Kernel for Enclose<'_, P, A> {
+    type Output = Option<[A::Raw; 4]>;
+    #[inline(always)]
+    fn run(self, _has_fma: bool) -> Self::Output {
+        let texture = &self.through.texture;
+        let channels = self.through.pair.pack(self.depths);
+        let mut bytes = [A::Raw::default(); 4];
+        for i in 0..4 {
+            bytes[i] = texture.stored(channels[i].lo.leave());
+            if bytes[i] != texture.stored(channels[i].hi.leave()) {
+                return None;
+            }
+        }
+        Some(bytes)
+    }
+}
+
+/// The two halves are compiled once for all that looks at single depths.
 impl<P: Pair, A: Shader> Through<P, A> {
+    #[inline(never)]
+    fn packed(&self, z: A) -> [A; 4] {
+        self.pair.pack(z)
+    }
+
+    #[inline(never)]
+    fn unpacked(&self, channels: [A; 4]) -> A {
+        self.pair.unpack(channels)
+    }
+
     fn through(&self, z: A) -> A {
-        let packed = self.pair.pack(z);
-        self.pair.unpack(packed.map(|c| self.sampled(self.texture.stored(c.leave()))))
+        let packed = self.packed(z);
+        self.unpacked(packed.map(|c| self.sampled(self.texture.stored(c.leave()))))
     }
 
     fn sampled(&self, byte: A::Raw) -> A {
         A::enter(self.texture.sampled(byte))
     }
 
-    fn vector_run<const EVEN: bool>(&self, level: Level, first: u32, out: &mut [A::Raw]) {
+    /// Whether there was a vector width to run in.
+    fn vector_run<const EVEN: bool>(&self, level: Level, first: u32, out: &mut [A::Raw]) -> bool {
         let Texture { half, scale, rest, .. } = self.texture;
-        level.run(Run::<P, A, EVEN> { pair: self.pair, half, scale, rest, first, out });
+        let run = Run::<P, A, EVEN> { pair: self.pair, half, scale, rest, first, out };
+        level.run_wide(run).is_some()
     }
 
     /// One depth at a time; a value that enters like the one before it is not computed again.
@@ -155,12 +192,13 @@ impl<P: Pair, A: Shader> Through<P, A> {
 
 impl<P: Pair, A: Shader + Send + Sync> RoundTrip<A::Raw> for Through<P, A> {
     fn run(&self, level: Level, first: u32, out: &mut [A::Raw]) {
-        if A::COARSE || !self.texture.linear {
+        let done = match (A::COARSE || !self.texture.linear, self.texture.even) {
+            (true, _) => false,
+            (false, true) => self.vector_run::<true>(level, first, out),
+            (false, false) => self.vector_run::<false>(level, first, out),
+        };
+        if !done {
             self.scalar_run(first, out);
-        } else if self.texture.even {
-            self.vector_run::<true>(level, first, out);
-        } else {
-            self.vector_run::<false>(level, first, out);
         }
     }
 
@@ -169,18 +207,12 @@ impl<P: Pair, A: Shader + Send + Sync> RoundTrip<A::Raw> for Through<P, A> {
         if A::COARSE {
             return (lo == hi).then(|| self.through(lo).leave());
         }
-        let mut bytes = [A::Raw::default(); 4];
-        for (byte, channel) in bytes.iter_mut().zip(self.pair.pack(Interval { lo, hi })) {
-            *byte = self.texture.stored(channel.lo.leave());
-            if *byte != self.texture.stored(channel.hi.leave()) {
-                return None;
-            }
-        }
-        Some(self.pair.unpack(bytes.map(|k| self.sampled(k))).leave())
+        let bytes = Level::run_scalar(Enclose { through: self, depths: Interval { lo, hi } })?;
+        Some(self.unpacked(bytes.map(|k| self.sampled(k))).leave())
     }
 
     fn texel(&self, depth: A::Raw) -> Vec<u8> {
-        let packed = self.pair.pack(A::enter(depth));
+        let packed = self.packed(A::enter(depth));
         packed[..P::CHANNELS].iter().map(|c| self.texture.stored(c.leave()).byte()).collect()
     }
 
@@ -189,12 +221,12 @@ impl<P: Pair, A: Shader + Send + Sync> RoundTrip<A::Raw> for Through<P, A> {
     }
 
     fn is_sound(&self, depth: A::Raw) -> bool {
-        let packed = self.pair.pack(A::enter(depth));
+        let packed = self.packed(A::enter(depth));
         packed.iter().all(|c| c.is_sound()) && self.through(A::enter(depth)).is_sound()
     }
 
     fn unpack(&self, channels: [A::Raw; 4]) -> A::Raw {
-        self.pair.unpack(channels.map(A::enter)).leave()
+        self.unpacked(channels.map(A::enter)).leave()
     }
 }
 

@@ -1,19 +1,31 @@
 //! Proved bounds of the round-trip error, to stand beside the measured ones.
 //!
-//! **Digits in a dot product.** Write the pack as channels vᵢ with real weights wᵢ, Σ wᵢvᵢ = z: the
-//! masks telescope, since wᵢ₊₁ = wᵢ/B and each vᵢ loses vᵢ₊₁/B. The store changes vᵢ by εᵢ, hence
-//! |decoded − z| ≤ Σ wᵢ·sup|εᵢ|. A masked channel holds one of the B values k·s (s = 1/256 or 1/255),
-//! so sup|εᵢ| is the greatest of B numbers, enumerated here; the last channel holds anything, so its
-//! sup is half a byte (a whole one truncated, 0.6 under D3D's tolerance).
+//! **Digits.** Write the pack as channels vᵢ with real weights wᵢ, Σ wᵢvᵢ = z: the masks telescope,
+//! since wᵢ₊₁ = wᵢ/B and each vᵢ loses vᵢ₊₁/B. A masked channel holds one of a few digits, so what
+//! store and sampler make of it is found by trying them all, in the arithmetic at hand: the greatest
+//! and the least of decoded − digit, weighed and summed. The last channel holds anything and errs by
+//! at most what the store and the sampler can do to any value.
 //!
-//! **f32.** Base 256 packs exactly. Base 255 rounds each vᵢ's digits: fl(Bⁱz) errs by 2⁻²⁵Bⁱ, which
-//! puts vᵢ₋₁ off its grid by at most (2⁻²⁵ + 2⁻²⁵)·Bⁱ⁻¹; weighed, at most 2⁻²⁴ for each of the three
-//! masked channels. A truncating store may lose a whole step at each. The dot product adds three
-//! roundings of sums below 1 and one of each weighed channel: at most 2⁻²³ together.
+//! **f32.** Base 256 packs exactly. In base 255, fl(255ⁱz) errs by 2⁻²⁵·255ⁱ·(1 + 2⁻⁶) at most; the
+//! masks pass each such error on to the next channel with the opposite sign, and a store that rounds
+//! puts every masked channel back on its grid, so that the last one's alone remains (that rounding
+//! never carries one digit without the next is what the exhaustive runs check). A store that
+//! truncates may lose a whole step of each. Sums below 1 round by 2⁻²⁵, the one sum that may reach 1
+//! by 2⁻²⁴; sums of small terms by 2⁻³² at most.
+//!
+//! **Where the partial sums are exact** (stretched digits that come back as multiples of 1/256) the
+//! only rounding is the last. It goes to the float nearest to the sum s, and z is a float, so
+//! |fl(s) − s| ≤ |z − s| and |fl(s) − z| ≤ 2|s − z|.
 
-use crate::depth::{Arithmetic, ByteRounding, ByteStore, Packing};
+use super::combination::Conditions;
+use super::layout::{Layout, Sums, layout};
+use crate::depth::roundtrip::{AnyRoundTrip, Path};
+use crate::depth::{
+    Arithmetic, ByteRounding, DepthFormat, FormatTrip, Packing, UnormLoad, UnormStore,
+};
 use crate::num::exp2;
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// A bound of |decoded − z| for 0 ≤ z < 1, and why it holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,61 +36,131 @@ pub struct Bound {
     pub because: String,
 }
 
-/// How a packing lays its digits out.
-struct Layout {
-    /// Ratio of neighbouring weights.
-    base: f64,
-    /// The value of digit k in a masked channel is k·step.
-    step: f64,
-    /// Masked channels before the last.
-    masked: i32,
-    /// Weight of the last channel.
-    last_weight: f64,
-    /// Most that the last channel loses by saturating at 1.
-    last_excess: f64,
-    /// Weight of the first channel.
-    first_weight: f64,
-    /// Bound of the f32 rounding in pack and unpack.
-    rounding: f64,
-}
-
-/// The bound for a packing where one is known; reciprocal or exact sampler (an ulp apart, inside the
-/// f32 term).
+/// The bound for a packing where one is known. None for half-precision arithmetic, nor where the
+/// channels do not telescope.
 #[must_use]
-pub fn bound(packing: Packing, store: ByteStore, arithmetic: Arithmetic) -> Option<Bound> {
-    if arithmetic == Arithmetic::Fp16 {
+pub fn bound(packing: Packing, conditions: Conditions) -> Option<Bound> {
+    if conditions.arithmetic == Arithmetic::Fp16 {
         return None;
     }
-    let real = arithmetic == Arithmetic::Real;
+    let worst = |bound: &dyn Fn(Texels) -> Option<Bound>| -> Option<Bound> {
+        let bounds: Option<Vec<Bound>> = paths(conditions).map(bound).collect();
+        bounds?.into_iter().reduce(|a, b| if b.value > a.value { b } else { a })
+    };
     if let Some(bits) = digit_bits(packing) {
-        return Some(integer_digits(bits, real));
+        return worst(&|texels| texels.keep_bytes().then(|| integer_digits(bits, texels.real)));
+    }
+    if packing == Packing::PlaycanvasBits {
+        let because = "every byte comes back".to_string();
+        return worst(&|texels| {
+            texels.truncate_back().then(|| Bound { value: 0.0, because: because.clone() })
+        });
     }
     let layout = layout(packing)?;
-    let terms = layout.terms(store, real, 0..=layout.base as u32 - 1);
-    let because = format!(
-        "stored digits {:.3e}, last channel {:.3e}, arithmetic {:.3e}",
-        terms.digits, terms.last, terms.rounding
-    );
-    Some(Bound { value: terms.digits + terms.last + terms.rounding, because })
+    worst(&|texels| Some(layout.terms(&texels, layout.all_digits()).bound()))
 }
 
 /// The bound over the depths from `from` to `to` alone: the leading digit is one of a few.
 #[must_use]
-pub fn bound_at(
-    packing: Packing,
-    store: ByteStore,
-    arithmetic: Arithmetic,
-    from: f64,
-    to: f64,
-) -> Option<f64> {
-    let Some(layout) = layout(packing).filter(|_| arithmetic != Arithmetic::Fp16) else {
-        return bound(packing, store, arithmetic).map(|b| b.value);
+pub fn bound_at(packing: Packing, conditions: Conditions, from: f64, to: f64) -> Option<f64> {
+    let Some(layout) = layout(packing).filter(|_| conditions.arithmetic != Arithmetic::Fp16) else {
+        return bound(packing, conditions).map(|b| b.value);
     };
     // f32 may put a depth next to a digit's edge on either side of it.
-    let digit = |z: f64| (z * layout.base).floor().clamp(0.0, layout.base - 1.0) as u32;
+    let last = layout.digits - 1;
+    let digit = |z: f64| (z * layout.leading).floor().clamp(0.0, f64::from(last)) as u32;
     let leading = digit(from - 1e-6)..=digit(to + 1e-6);
-    let terms = layout.terms(store, arithmetic == Arithmetic::Real, leading);
-    Some(terms.digits + terms.last + terms.rounding)
+    let value = |texels: Texels| layout.terms(&texels, leading.clone()).bound().value;
+    paths(conditions).map(value).reduce(f64::max)
+}
+
+/// The bound of a depth format that stores to nearest and is read back exactly: half a step (and
+/// 2⁻²¹ of one, which the product with 2³² − 1 rounds in f64). `None` for f32, which loses nothing.
+#[must_use]
+pub fn format_bound(trip: FormatTrip) -> Option<Bound> {
+    if trip.store != UnormStore::Exact || trip.load != UnormLoad::Divide {
+        return None;
+    }
+    let (step, of) = match (trip.format, trip.format.unorm_max()) {
+        (_, Some(max)) => (1.0 / f64::from(max), ""),
+        (DepthFormat::F32, None) => return None,
+        (format, None) => (format.quantum(0.5), " in [1/2, 1)"),
+    };
+    Some(Bound { value: (0.5 + exp2(-21)) * step, because: format!("half a step{of}") })
+}
+
+/// The texture unit: what store and sampler make of a channel. It is the round trip of a single
+/// channel, as catalogued.
+pub(super) struct Texels {
+    trip: AnyRoundTrip,
+    path: Path,
+    pub(super) real: bool,
+}
+
+fn paths(conditions: Conditions) -> impl Iterator<Item = Texels> {
+    conditions.paths().map(|path| Texels {
+        trip: path.of_packing(Packing::R8),
+        real: path.arithmetic == Arithmetic::Real,
+        path,
+    })
+}
+
+impl Texels {
+    /// `x` as the arithmetic holds it.
+    pub(super) fn rounded(&self, x: f64) -> f64 {
+        if self.real { x } else { f64::from(x as f32) }
+    }
+
+    /// What a channel value is read back as.
+    pub(super) fn sampled(&self, channel: f64) -> f64 {
+        match &self.trip {
+            AnyRoundTrip::F32(trip) => trip.decoded(channel as f32).into(),
+            AnyRoundTrip::F64(trip) => trip.decoded(channel),
+        }
+    }
+
+    pub(super) fn truncates(&self) -> bool {
+        self.path.rounding == ByteRounding::Floor { half: 0.0 }
+    }
+
+    /// Greatest distance of a sampled byte from k/255.
+    pub(super) fn sampler_error(&self) -> f64 {
+        let error = |k: u32| {
+            let exact = f64::from(k) / 255.0;
+            let sampled = match self.path.load {
+                UnormLoad::Divide if self.real => exact,
+                load => load.value(k, 255).into(),
+            };
+            (sampled - exact).abs()
+        };
+        (0..=255).map(error).fold(0.0, f64::max)
+    }
+
+    /// Greatest error of storing and sampling any value of [0, 1]; the store's own product and sum
+    /// round by 2⁻¹⁷ of a byte each in f32.
+    pub(super) fn loose_error(&self) -> f64 {
+        let byte = match self.path.rounding {
+            ByteRounding::Even => 0.5,
+            ByteRounding::Floor { half } => f64::max(half, 1.0 - half),
+        };
+        let rounding = if self.real { exp2(-44) } else { exp2(-16) };
+        (byte + rounding) / 255.0 + self.sampler_error()
+    }
+
+    fn bytes(&self) -> impl Iterator<Item = (f64, f64)> {
+        let read = |k: u32| self.rounded(255.0 * self.sampled(self.rounded(f64::from(k) / 255.0)));
+        (0..=255u32).map(move |k| (f64::from(k), read(k)))
+    }
+
+    /// Whether every byte k stored as k/255 comes back as round(255·sample).
+    fn keep_bytes(&self) -> bool {
+        self.bytes().all(|(k, read)| read.round_ties_even() == k)
+    }
+
+    /// Whether every byte comes back as ⌊255·sample⌋.
+    fn truncate_back(&self) -> bool {
+        self.bytes().all(|(k, read)| read.floor() == k)
+    }
 }
 
 /// The parts of a bound.
@@ -88,50 +170,41 @@ struct Terms {
     rounding: f64,
 }
 
+impl Terms {
+    fn bound(&self) -> Bound {
+        let Self { digits, last, rounding } = self;
+        let because = format!(
+            "stored digits {digits:.3e}, last channel {last:.3e}, arithmetic {rounding:.3e}"
+        );
+        Bound { value: digits + last + rounding, because }
+    }
+}
+
 impl Layout {
-    fn terms(&self, store: ByteStore, real: bool, leading: std::ops::RangeInclusive<u32>) -> Terms {
-        let all = 0..=self.base as u32 - 1;
-        let channel = |i: i32| {
-            let digits = if i == 0 { leading.clone() } else { all.clone() };
-            self.first_weight / power(self.base, i) * grid_error(self, store, digits)
-        };
-        Terms {
-            digits: (0..self.masked).map(channel).sum(),
-            last: self.last_weight * loose_error(store).max(self.last_excess),
-            rounding: if real { exp2(-48) } else { self.rounding },
+    fn all_digits(&self) -> RangeInclusive<u32> {
+        0..=self.digits - 1
+    }
+
+    fn terms(&self, texels: &Texels, leading: RangeInclusive<u32>) -> Terms {
+        let (mut above, mut below, mut weight) = (0.0, 0.0, 1.0);
+        for i in 0..self.masked {
+            let digits = if i == 0 { leading.clone() } else { self.all_digits() };
+            let (up, down) = self.digit.extremes(texels, i == 0, digits);
+            above += weight * up;
+            below += weight * down;
+            weight /= self.base;
         }
-    }
-}
-
-fn power(base: f64, n: i32) -> f64 {
-    (0..n).fold(1.0, |product, _| product * base)
-}
-
-/// Greatest error, over these digits, of storing k·step and reading k'/255. Where f32 may fall
-/// short of a byte's exact value a truncating store loses the whole byte.
-fn grid_error(layout: &Layout, store: ByteStore, digits: std::ops::RangeInclusive<u32>) -> f64 {
-    let exact_bytes = layout.step * 255.0 == 1.0;
-    if exact_bytes && store == ByteStore::Truncate {
-        return 1.0 / 255.0;
-    }
-    let error = |k: u32| {
-        let value = f64::from(k) * layout.step;
-        let stored = |rounding: &ByteRounding| match *rounding {
-            ByteRounding::Even => (value * 255.0).round_ties_even(),
-            ByteRounding::Floor { half } => (value * 255.0 + half).floor(),
+        let digits = f64::max(above, below);
+        let last = self.last_weight * (self.last)(texels.loose_error());
+        let rounding = match (texels.real, self.sums) {
+            (true, _) => exp2(-48),
+            (false, Sums::Rounded(sums)) => self.pack + sums,
+            (false, Sums::Exact { partial }) if digits == 0.0 => {
+                partial + f64::min(last + partial, exp2(-25))
+            }
+            (false, Sums::Exact { .. }) => exp2(-23),
         };
-        let distance = |byte: f64| (byte / 255.0 - value).abs();
-        store.roundings().iter().map(|r| distance(stored(r))).fold(0.0, f64::max)
-    };
-    digits.map(error).fold(0.0, f64::max)
-}
-
-/// Greatest error of storing any value of [0, 1].
-fn loose_error(store: ByteStore) -> f64 {
-    match store {
-        ByteStore::HalfEven | ByteStore::HalfUp => 0.5 / 255.0,
-        ByteStore::Truncate => 1.0 / 255.0,
-        ByteStore::Admissible => 0.6 / 255.0,
+        Terms { digits, last, rounding }
     }
 }
 
@@ -145,55 +218,16 @@ fn digit_bits(packing: Packing) -> Option<u32> {
 }
 
 /// K = round(z·M) errs by half a code in real numbers. In f32 the product with M = 2ⁿ − 1 rounds by
-/// at most a quarter code more (half an ulp below 2²³; above, it is an integer already), 2³² scales
-/// exactly, and the decoded quotient rounds once more by 2⁻²⁵. Every byte is exact under every store.
+/// at most 2⁻⁹ of a code more for 16 bits and a quarter for 24 (from 2²³ on it is an integer already);
+/// 2³² scales exactly. The decoded quotient rounds once more by 2⁻²⁵. Every byte is exact.
 fn integer_digits(bits: u32, real: bool) -> Bound {
     let max = exp2(bits as i32) - 1.0;
     let (codes, quotient) = match (real, bits) {
         (true, _) => (0.5, exp2(-54)),
         (false, 32) => (0.5 + exp2(-24), 0.0),
+        (false, 16) => (0.5 + exp2(-9), exp2(-25)),
         (false, _) => (0.75, exp2(-25)),
     };
     let because = format!("{codes} codes of 1/(2^{bits} − 1), quotient {quotient:.3e}");
     Bound { value: codes / max * (1.0 + exp2(-32)) + quotient, because }
-}
-
-fn layout(packing: Packing) -> Option<Layout> {
-    let dot = exp2(-23);
-    let family = |base: f64, step: f64, masked: i32, rounding: f64| Layout {
-        base,
-        step,
-        masked,
-        first_weight: 1.0,
-        last_weight: 1.0 / power(base, masked),
-        last_excess: 0.0,
-        rounding,
-    };
-    let stretched = |channels: i32| Layout {
-        first_weight: 255.0 / 256.0,
-        ..family(256.0, 1.0 / 255.0, channels - 1, dot)
-    };
-    Some(match packing {
-        // The store's own f32: 255x and the sum with 0.6 round by 2⁻¹⁷ of a byte each.
-        Packing::R8 => family(255.0, 1.0 / 255.0, 0, exp2(-23)),
-        Packing::Book | Packing::Upc | Packing::Ozone3d | Packing::Godot2 | Packing::Mapbox256 => {
-            family(256.0, 1.0 / 256.0, 3, dot)
-        }
-        Packing::Aras2009
-        | Packing::Cesium
-        | Packing::Babylon
-        | Packing::Godot3
-        | Packing::Mapbox255 => family(255.0, 1.0 / 255.0, 3, dot + 3.0 * exp2(-24)),
-        Packing::UnityRg | Packing::ThreeHalf => family(255.0, 1.0 / 255.0, 1, dot + exp2(-24)),
-        Packing::ThreeR86 => Layout {
-            // The last remainder is stretched too, to 256/255 at most, and clamped to 1.
-            last_weight: 255.0 / 256.0 / exp2(24),
-            last_excess: 1.0 / 255.0,
-            ..stretched(4)
-        },
-        Packing::ThreeRgba => stretched(4),
-        Packing::ThreeRgb => stretched(3),
-        Packing::ThreeRg => stretched(2),
-        _ => return None,
-    })
 }

@@ -7,6 +7,8 @@ use crate::simd::{Kernel, Level};
 
 /// Depths decoded at a time: the buffer stays in the first-level cache.
 const BLOCK: usize = 2048;
+/// A run of no more depths has a buffer of its own size.
+const SHORT: usize = 128;
 /// Independent sums, so that they vectorise and their order never depends on the vector width.
 const LANES: usize = 16;
 
@@ -111,6 +113,9 @@ pub(super) fn tally<F: Raw>(
     start: u32,
     end: u32,
 ) -> Tally<F> {
+    if end - start < SHORT as u32 {
+        return short(trip, level, start, end);
+    }
     let mut buffer = [F::default(); BLOCK];
     let mut total: Option<Tally<F>> = None;
     let (mut above, mut below) = ((F::Key::default(), start), (F::Key::default(), start));
@@ -134,9 +139,27 @@ pub(super) fn tally<F: Raw>(
         at += len as u32;
     }
     let mut total = total.expect("a run has at least one float");
-    total.above = locate(trip, level, above, end, |d, z| d - z);
-    total.below = locate(trip, level, below, end, |d, z| z - d);
+    let mut locate = |(key, at): (F::Key, u32), error: fn(F, F) -> F| {
+        let decoded = &mut buffer[..BLOCK.min((end - at) as usize + 1)];
+        trip.run(level, at, decoded);
+        found(key, at, decoded, error)
+    };
+    total.above = locate(above, |d, z| d - z);
+    total.below = locate(below, |d, z| z - d);
     total
+}
+
+/// A run of one small block: its extremes are found where it stands, and little is cleared for it.
+fn short<F: Raw>(trip: &dyn RoundTrip<F>, level: Level, start: u32, end: u32) -> Tally<F> {
+    let mut buffer = [F::default(); SHORT];
+    let decoded = &mut buffer[..(end - start) as usize + 1];
+    trip.run(level, start, decoded);
+    let block = level.run(Reduce { first: start, decoded });
+    Tally {
+        above: found(block.above, start, decoded, |d, z| d - z),
+        below: found(block.below, start, decoded, |d, z| z - d),
+        ..block_tally(start, decoded, &block)
+    }
 }
 
 fn block_tally<F: Raw>(start: u32, decoded: &[F], block: &Block<F>) -> Tally<F> {
@@ -168,21 +191,12 @@ fn largest_drop<F: Raw>(start: u32, decoded: &[F]) -> Drop {
 }
 
 /// The first depth of the block at `start` whose error has the key.
-fn locate<F: Raw>(
-    trip: &dyn RoundTrip<F>,
-    level: Level,
-    (key, start): (F::Key, u32),
-    end: u32,
-    error: impl Fn(F, F) -> F,
-) -> Extreme<F> {
+fn found<F: Raw>(key: F::Key, start: u32, decoded: &[F], error: fn(F, F) -> F) -> Extreme<F> {
     if key == F::Key::default() {
         return Extreme { error: F::default(), at: start };
     }
-    let mut decoded = [F::default(); BLOCK];
-    let decoded = &mut decoded[..BLOCK.min((end - start) as usize + 1)];
-    trip.run(level, start, decoded);
     let depths = (start..).map(|bits| F::from_depth(f32::from_bits(bits)));
-    let offset = depths.zip(decoded.iter()).position(|(z, &d)| error(d, z).key() == key);
+    let offset = depths.zip(decoded).position(|(z, &d)| error(d, z).key() == key);
     let offset = offset.expect("the key came from this block") as u32;
     Extreme { error: F::from_key(key), at: start + offset }
 }

@@ -101,6 +101,8 @@ pub struct Certificate {
     pub equivalent_bits: f64,
     /// Decoded value of z = 1.
     pub at_one: f64,
+    /// The least power of two (or table edge) from which no depth below 1 is changed.
+    pub exact_from: Option<f32>,
     /// Error by depth range.
     pub ranges: Vec<RangeError>,
     /// Order of decoded depths, z = 1 included; `None` where the store is a set.
@@ -169,6 +171,7 @@ pub fn certify<F: Raw>(
         rms: whole.rms,
         equivalent_bits: equivalent_bits(whole.max.error),
         at_one: one.last,
+        exact_from: exact_from(below_one),
         ranges: ranges(&segments),
         order: (trips.len() == 1).then(|| order(&segments)),
         specials: specials(trips[0]),
@@ -178,6 +181,12 @@ pub fn certify<F: Raw>(
         forced_bias: forced_bias(trips, below),
         bound: subject.bound,
     }
+}
+
+/// Start of the longest run of segments before 1 without an error.
+fn exact_from(below_one: &[Tally<f64>]) -> Option<f32> {
+    let exact = |t: &&Tally<f64>| t.above.error == 0.0 && t.below.error == 0.0;
+    below_one.iter().rev().take_while(exact).last().map(|t| f32::from_bits(t.start))
 }
 
 fn counted(tallies: &[Vec<Tally<f64>>]) -> u64 {

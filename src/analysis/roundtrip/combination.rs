@@ -1,13 +1,13 @@
 //! One combination of packing (or format), store, sampler and arithmetic, from names to certificate.
 
-use super::bound::{Bound, bound};
+use super::bound::{Bound, bound, format_bound};
 use super::certificate::{Certificate, Subject, certify};
 use super::sample::sample;
 use super::survey::{Method, survey, survey_format};
 use super::tally::Tally;
 use crate::depth::arith::Raw;
 use crate::depth::packing::{Pair, TextPair};
-use crate::depth::roundtrip::{AnyRoundTrip, Path};
+use crate::depth::roundtrip::{AnyRoundTrip, Closures, Path};
 use crate::depth::{Arithmetic, ByteStore, FormatTrip, Packing, RoundTrip, UnormLoad};
 use crate::simd::Level;
 
@@ -29,7 +29,7 @@ impl Conditions {
         Self { store, load: UnormLoad::Divide, arithmetic: Arithmetic::F32 }
     }
 
-    fn paths(self) -> impl Iterator<Item = Path> {
+    pub(super) fn paths(self) -> impl Iterator<Item = Path> {
         let Self { store, load, arithmetic } = self;
         store.roundings().iter().map(move |&rounding| Path { rounding, load, arithmetic })
     }
@@ -74,10 +74,7 @@ impl Effort {
     /// The certificate of a catalogued packing.
     #[must_use]
     pub fn certify_packing(self, packing: Packing, conditions: Conditions) -> Certificate {
-        let bound = match conditions.load {
-            UnormLoad::Half => None,
-            _ => bound(packing, conditions.store, conditions.arithmetic),
-        };
+        let bound = bound(packing, conditions);
         let subject = conditions.subject(packing.name(), packing.channels(), bound);
         let trips = conditions.paths().map(|path| path.of_packing(packing)).collect();
         self.certify_any(subject, trips)
@@ -100,6 +97,29 @@ impl Effort {
     ) -> Certificate {
         let trips = conditions.paths().map(|path| path.of(pair)).collect();
         self.certify_any(subject, trips)
+    }
+
+    /// The certificate of a pair of Rust closures in f32 (the conditions' arithmetic is theirs):
+    /// `channels` of the four that `pack` returns are stored. Nothing can be proved about a closure,
+    /// so `Pruned` evaluates every float.
+    #[must_use]
+    pub fn certify_closures<P, U>(
+        self,
+        name: &str,
+        channels: usize,
+        conditions: Conditions,
+        pack: P,
+        unpack: U,
+    ) -> Certificate
+    where
+        P: Fn(f32) -> [f32; 4] + Send + Sync,
+        U: Fn([f32; 4]) -> f32 + Send + Sync,
+    {
+        let conditions = Conditions { arithmetic: Arithmetic::F32, ..conditions };
+        let trip = |path: Path| Closures::new(channels, path.rounding, path.load, &pack, &unpack);
+        let trips: Vec<_> = conditions.paths().map(trip).collect();
+        let trips: Vec<&dyn RoundTrip<f32>> = trips.iter().map(|t| t as _).collect();
+        self.certify(conditions.subject(name, channels, None), &trips)
     }
 
     fn certify_any(self, subject: Subject, trips: Vec<AnyRoundTrip>) -> Certificate {
@@ -127,7 +147,7 @@ impl Effort {
             store: trip.store.to_string(),
             load: trip.load.to_string(),
             arithmetic: Arithmetic::Real.to_string(),
-            bound: None,
+            bound: format_bound(trip),
         };
         let tallies: Vec<Tally<f64>> = match self.method {
             Method::Sampled | Method::Brute => self.tallies(&trip),

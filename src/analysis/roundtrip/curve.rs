@@ -9,7 +9,7 @@ use crate::depth::{ByteRounding, RoundTrip, roundtrip::Path};
 use crate::simd::Level;
 
 /// Runs of consecutive floats looked at in each slice, and their length.
-const RUNS: usize = 64;
+const RUNS: usize = 256;
 const RUN: usize = 16;
 
 /// One slice of depth.
@@ -27,7 +27,7 @@ pub struct Slice {
 #[must_use]
 pub fn error_curve(packing: Packing, conditions: Conditions, n: usize) -> Vec<Slice> {
     let rounding: ByteRounding = conditions.store.roundings()[0];
-    let Conditions { store, load, arithmetic } = conditions;
+    let Conditions { load, arithmetic, .. } = conditions;
     let trip = Path { rounding, load, arithmetic }.of_packing(packing);
     let slice = |i: usize| {
         let (from, to) = (i as f64 / n as f64, (i + 1) as f64 / n as f64);
@@ -35,7 +35,7 @@ pub fn error_curve(packing: Packing, conditions: Conditions, n: usize) -> Vec<Sl
             AnyRoundTrip::F32(trip) => largest(&**trip, from, to),
             AnyRoundTrip::F64(trip) => largest(&**trip, from, to),
         };
-        let theory = bound_at(packing, store, arithmetic, from, to);
+        let theory = bound_at(packing, conditions, from, to);
         Slice { depth: (from + to) / 2.0, measured, theory }
     };
     (0..n).map(slice).collect()

@@ -6,6 +6,7 @@
 
 use crate::depth::roundtrip::{AnyRoundTrip, Path};
 use crate::depth::{Arithmetic, ByteStore, Packing, UnormLoad};
+use crate::num::to_half;
 use serde::Serialize;
 
 crate::catalogue! {
@@ -13,8 +14,22 @@ crate::catalogue! {
     pub enum FilterResult {
         /// f32 weights on bytes 0…255, a + (b − a)t, times f32(1/255): the measured WebGL.
         Full = "full",
+        /// The filtered channel rounded to half precision: 16-bit samplers of phones.
+        Half = "half",
         /// The blend rounded to a byte again: mip maps, a blurred 8-bit target.
         Byte = "byte",
+    }
+}
+
+impl FilterResult {
+    /// The float of a blend of bytes 0…255.
+    fn sample(self, blend: f32) -> f32 {
+        let scale = 1.0f32 / 255.0;
+        match self {
+            Self::Full => blend * scale,
+            Self::Half => to_half(blend * scale),
+            Self::Byte => blend.round_ties_even() * scale,
+        }
     }
 }
 
@@ -43,12 +58,18 @@ pub fn filtered_error(packing: Packing, result: FilterResult, z: f32, slope: Slo
     let mut channels = [0.0; 4];
     for (channel, (&a, &b)) in channels.iter_mut().zip(a.iter().zip(&b)) {
         let (a, b) = (f32::from(a), f32::from(b));
-        let blend = a + (b - a) * t;
-        let blend = if result == FilterResult::Byte { blend.round_ties_even() } else { blend };
-        *channel = blend * (1.0f32 / 255.0);
+        *channel = result.sample(a + (b - a) * t);
     }
     let expected = f64::from(z) + (f64::from(next) - f64::from(z)) * f64::from(t);
     f64::from(trip.unpack(channels)) - expected
+}
+
+/// Largest |error| over depths (i + ½)/n at one fraction `t` ∈ [0, 1] of the filter.
+#[must_use]
+pub fn max_at(packing: Packing, result: FilterResult, slope: Slope, n: usize, t: f32) -> f64 {
+    let depths = (0..n).map(|i| (i as f32 + 0.5) / n as f32);
+    let error = |z| filtered_error(packing, result, z, slope, t).abs();
+    depths.map(error).fold(0.0, f64::max)
 }
 
 /// Signed errors over depth × fraction, row by row (depth grows to the right, fraction upwards; the
@@ -89,5 +110,36 @@ impl FilterSweep {
     #[must_use]
     pub fn max(&self) -> f64 {
         self.errors.iter().map(|e| f64::from(e.abs())).fold(0.0, f64::max)
+    }
+
+    /// The least fraction that has the largest |error|.
+    #[must_use]
+    pub fn worst_fraction(&self) -> f64 {
+        let max = self.max();
+        let has_it = |e: &f32| f64::from(e.abs()) == max;
+        let row = self.errors.iter().rposition(has_it).map_or(0, |i| i / self.width);
+        (self.height - 1 - row) as f64 / (self.height - 1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sum of weighed bytes is linear in them, rounded digits are not; phones' 16-bit samplers and
+    /// 8-bit targets spoil both.
+    #[test]
+    fn a_precise_filter_spares_dot_products_alone() {
+        let max = |packing, result| {
+            FilterSweep::new(packing, result, Slope { step: 1e-3 }, 240, 33).max()
+        };
+        use FilterResult::{Byte, Full, Half};
+        assert!(max(Packing::Aras2009, Full) < 4e-7);
+        assert!(max(Packing::ThreeRgba, Full) < 4e-7);
+        for digits in [Packing::Digits16, Packing::Digits24, Packing::Digits32] {
+            assert!(max(digits, Full) > 1e-3, "{digits}: a blend of digits is no digit");
+        }
+        assert!(max(Packing::Aras2009, Half) > 1e-4);
+        assert!(max(Packing::Aras2009, Byte) > 1.5e-3);
     }
 }

@@ -55,7 +55,7 @@ impl Number for Fused {
     }
     #[inline(always)]
     fn from_pattern(bytes: [Self; 4]) -> Self {
-        Self(f32::from_pattern(bytes.map(|b| b.0)))
+        Self(f32::from_pattern([bytes[0].0, bytes[1].0, bytes[2].0, bytes[3].0]))
     }
 }
 

@@ -112,6 +112,13 @@ pub trait Shader: Number {
     }
 }
 
+/// The constants n/dᵢ. Packings spell arrays out: `array::map` is not always inlined, and what is not
+/// inlined into a kernel is compiled without its instructions.
+#[inline(always)]
+pub fn ratios<A: Number>(n: f64, [r, g, b, a]: [f64; 4]) -> [A; 4] {
+    [A::ratio(n, r), A::ratio(n, g), A::ratio(n, b), A::ratio(n, a)]
+}
+
 /// Σ cᵢwᵢ summed left to right; an fma chain where the arithmetic contracts.
 #[inline(always)]
 pub fn dot<A: Number, const N: usize>(c: [A; N], w: [A; N]) -> A {

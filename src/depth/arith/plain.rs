@@ -29,7 +29,9 @@ macro_rules! plain {
             }
             #[inline(always)]
             fn from_pattern(bytes: [Self; 4]) -> Self {
-                let [a, b, c, d] = bytes.map(|x| low_byte(clamped_to(255, x) as f32));
+                let [a, b, c, d] = bytes;
+                let (a, b) = (low_byte(clamped_to(255, a) as f32), low_byte(clamped_to(255, b) as f32));
+                let (c, d) = (low_byte(clamped_to(255, c) as f32), low_byte(clamped_to(255, d) as f32));
                 f32::from_bits(a << 24 | b << 16 | c << 8 | d) as $F
             }
         }

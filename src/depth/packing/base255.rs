@@ -2,20 +2,25 @@
 //! rounds; a store that truncates loses a step wherever f32 falls short of k/255.
 
 use super::Pair;
-use crate::depth::arith::{Number, dot};
+use crate::depth::arith::{Number, dot, ratios};
 
 const SCALES: [f64; 4] = [1.0, 255.0, 65_025.0, 16_581_375.0];
 /// The last scale as it was copied for years, one zero too many.
 const TYPO_SCALES: [f64; 4] = [1.0, 255.0, 65_025.0, 160_581_375.0];
 
 #[inline(always)]
-fn digits<A: Number>(z: A, scales: [f64; 4]) -> [A; 4] {
-    scales.map(|scale| (z * A::whole(scale)).fract())
+fn digits<A: Number>(z: A, [r, g, b, a]: [f64; 4]) -> [A; 4] {
+    [digit(z, r), digit(z, g), digit(z, b), digit(z, a)]
+}
+
+#[inline(always)]
+fn digit<A: Number>(z: A, scale: f64) -> A {
+    (z * A::whole(scale)).fract()
 }
 
 #[inline(always)]
 fn weights<A: Number>(scales: [f64; 4]) -> [A; 4] {
-    scales.map(|scale| A::ratio(1.0, scale))
+    ratios(1.0, scales)
 }
 
 /// Each channel less a 255th of the next; the last one keeps everything below it.
@@ -32,7 +37,8 @@ pub(super) struct HalfStep;
 impl Pair for HalfStep {
     #[inline(always)]
     fn pack<A: Number>(&self, z: A) -> [A; 4] {
-        digits(z, SCALES).map(|c| c + A::ratio(0.5, 255.0))
+        let (half, [r, g, b, a]) = (A::ratio(0.5, 255.0), digits(z, SCALES));
+        [r + half, g + half, b + half, a + half]
     }
     #[inline(always)]
     fn unpack<A: Number>(&self, c: [A; 4]) -> A {
@@ -105,7 +111,7 @@ impl Pair for Mismatched {
     }
     #[inline(always)]
     fn unpack<A: Number>(&self, c: [A; 4]) -> A {
-        dot(c, [16_777_216.0, 65_536.0, 256.0, 1.0].map(|scale| A::ratio(1.0, scale)))
+        dot(c, ratios(1.0, [16_777_216.0, 65_536.0, 256.0, 1.0]))
     }
 }
 
@@ -142,13 +148,11 @@ impl Pair for PlayCanvasCpu {
         let z = z.at_least(zero, z, zero);
         let c = digits(z, SCALES);
         let c = [c[0] - c[1] / top, c[1] - c[2] / top, c[2] - c[3] / top, c[3]];
-        let byte = |x: A| {
-            let byte = (x * A::whole(256.0)).floor();
-            byte.at_least(top, top, byte) / top
-        };
         let ends = [A::whole(1.0), zero, zero, zero];
-        let mut packed = c.map(byte);
+        let mut packed = c;
         for i in 0..4 {
+            let byte = (c[i] * A::whole(256.0)).floor();
+            packed[i] = byte.at_least(top, top, byte) / top;
             packed[i] = z.at_least(A::whole(1.0), ends[i], packed[i]);
         }
         packed

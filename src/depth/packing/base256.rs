@@ -4,18 +4,24 @@
 //! removes the next digit. What fails is the store: a channel holds k/256, UNORM8 keeps n/255.
 
 use super::Pair;
-use crate::depth::arith::{Number, dot};
+use crate::depth::arith::{Number, dot, ratios};
 
 const SCALES: [f64; 4] = [1.0, 256.0, 65_536.0, 16_777_216.0];
 
 #[inline(always)]
 fn digits<A: Number>(z: A) -> [A; 4] {
-    SCALES.map(|scale| (z * A::whole(scale)).fract())
+    let [r, g, b, a] = SCALES;
+    [digit(z, r), digit(z, g), digit(z, b), digit(z, a)]
+}
+
+#[inline(always)]
+fn digit<A: Number>(z: A, scale: f64) -> A {
+    (z * A::whole(scale)).fract()
 }
 
 #[inline(always)]
 fn weights<A: Number>() -> [A; 4] {
-    SCALES.map(|scale| A::ratio(1.0, scale))
+    ratios(1.0, SCALES)
 }
 
 #[inline(always)]

@@ -11,12 +11,14 @@ pub(super) struct FloatBits;
 impl Pair for FloatBits {
     #[inline(always)]
     fn pack<A: Number>(&self, z: A) -> [A; 4] {
-        let byte = |i| z.pattern_byte(i) / A::whole(255.0);
-        [byte(3), byte(2), byte(1), byte(0)]
+        let top = A::whole(255.0);
+        let (r, g) = (z.pattern_byte(3), z.pattern_byte(2));
+        [r / top, g / top, z.pattern_byte(1) / top, z.pattern_byte(0) / top]
     }
     #[inline(always)]
     fn unpack<A: Number>(&self, c: [A; 4]) -> A {
-        A::from_pattern(c.map(|channel| channel * A::whole(255.0)))
+        let ([r, g, b, a], top) = (c, A::whole(255.0));
+        A::from_pattern([r * top, g * top, b * top, a * top])
     }
 }
 

@@ -1,7 +1,7 @@
 //! three.js' packings, r68 to today, in their own order of operations.
 
 use super::Pair;
-use crate::depth::arith::{Number, dot};
+use crate::depth::arith::{Number, dot, ratios};
 
 /// r68…r85 and PlayCanvas' WebGL1 `packFloat` (until #6998): mod(z·256ⁱ·255, 256)/255, lo-first.
 #[derive(Clone, Copy, Debug)]
@@ -11,10 +11,11 @@ impl Pair for R68 {
     #[inline(always)]
     fn pack<A: Number>(&self, z: A) -> [A; 4] {
         let (q, base, top) = (A::ratio(1.0, 256.0), A::whole(256.0), A::whole(255.0));
-        let c = [16_777_216.0, 65_536.0, 256.0, 1.0].map(|scale| {
+        let mut c = [z; 4];
+        for (c, scale) in c.iter_mut().zip([16_777_216.0, 65_536.0, 256.0, 1.0]) {
             let x = z * A::whole(scale) * top;
-            (x - base * (x / base).floor()) / top
-        });
+            *c = (x - base * (x / base).floor()) / top;
+        }
         [
             c[0],
             c[1].minus_product(c[0], q),
@@ -24,7 +25,7 @@ impl Pair for R68 {
     }
     #[inline(always)]
     fn unpack<A: Number>(&self, c: [A; 4]) -> A {
-        dot(c, [16_777_216.0, 65_536.0, 256.0, 1.0].map(|scale| A::ratio(1.0, scale)))
+        dot(c, ratios(1.0, [16_777_216.0, 65_536.0, 256.0, 1.0]))
     }
 }
 
@@ -37,13 +38,17 @@ impl Pair for R86 {
     #[inline(always)]
     fn pack<A: Number>(&self, z: A) -> [A; 4] {
         let (q, up) = (A::ratio(1.0, 256.0), A::ratio(256.0, 255.0));
-        let [x, y, w] = [16_777_216.0, 65_536.0, 256.0].map(|s| (z * A::whole(s)).fract());
-        [x, y.minus_product(x, q), w.minus_product(y, q), z.minus_product(w, q)].map(|c| c * up)
+        let x = (z * A::whole(16_777_216.0)).fract();
+        let y = (z * A::whole(65_536.0)).fract();
+        let w = (z * A::whole(256.0)).fract();
+        let (g, b, a) = (y.minus_product(x, q), w.minus_product(y, q), z.minus_product(w, q));
+        [x * up, g * up, b * up, a * up]
     }
     #[inline(always)]
     fn unpack<A: Number>(&self, c: [A; 4]) -> A {
         let down = A::ratio(255.0, 256.0);
-        dot(c, [16_777_216.0, 65_536.0, 256.0, 1.0].map(|scale| down / A::whole(scale)))
+        let (r, g) = (down / A::whole(16_777_216.0), down / A::whole(65_536.0));
+        dot(c, [r, g, down / A::whole(256.0), down / A::whole(1.0)])
     }
 }
 

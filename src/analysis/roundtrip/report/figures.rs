@@ -3,21 +3,25 @@
 use super::{Measured, SETTINGS};
 use crate::analysis::roundtrip::combination::Conditions;
 use crate::analysis::roundtrip::curve::error_curve;
-use crate::analysis::roundtrip::filter::{FilterResult, FilterSweep, Slope};
+use crate::analysis::roundtrip::filter::{FilterResult, FilterSweep, Slope, max_at};
 use crate::analysis::roundtrip::world::WorldResolution;
 use crate::depth::{ByteStore, DepthFormat, DepthMapping, MappingKind, Packing};
 use crate::report::{
-    Axis, Cell, Colour, ExrImage, HeatMap, Plot, Scale, Section, Series, Style, Table,
+    Axis, Block, Cell, Colour, ExrImage, HeatMap, Plot, Scale, Section, Series, Style, Table,
 };
 use serde_json::json;
 
 /// Slices of depth in an error plot.
-const SLICES: usize = 256;
+const SLICES: usize = 64;
 /// The planes of the resolution figures.
 const NEAR: f64 = 0.1;
 const FAR: f64 = 1000.0;
-/// Depth × fraction of the filter image.
-const SWEEP: (usize, usize) = (256, 33);
+/// Distances in a resolution figure.
+const RESOLUTION_POINTS: usize = 120;
+/// Depth × fraction of the filter image. Depths (i + ½)/240 and a step of 1/1000 have all their digits
+/// in use; on dyadic depths the low bytes would be 0 and filtering look harmless.
+const SWEEP: (usize, usize) = (240, 33);
+const STEP: f32 = 1.0 / 1000.0;
 
 /// Packing × store, sampler, arithmetic.
 pub(super) fn heat(measured: &Measured) -> Section {
@@ -48,17 +52,18 @@ pub(super) fn curves(measured: &Measured) -> Section {
     let mut section = Section::new(
         "curves",
         "Error against depth",
-        "Largest error in 256 slices of depth, f32, a store that rounds and one that truncates; \
+        "Largest error in 64 slices of depth, f32, a store that rounds and one that truncates; \
          dashed, the proved bound. Packings with the same operations share a figure.",
     );
-    let mut done: Vec<Packing> = Vec::new();
-    for packing in measured.dossiers.iter().filter_map(|d| d.packing) {
-        if !done.contains(&packing.original()) {
-            done.push(packing.original());
-            section.push(curve(packing));
-        }
-    }
+    let plots: Vec<Plot> = measured.distinct().filter_map(|d| d.packing).map(curve).collect();
+    push_in_pairs(&mut section, plots);
     section.folded()
+}
+
+fn push_in_pairs(section: &mut Section, plots: Vec<Plot>) {
+    for pair in plots.chunks(2) {
+        section.push(Block::Row(pair.iter().cloned().map(Block::Plot).collect()));
+    }
 }
 
 fn curve(packing: Packing) -> Plot {
@@ -88,26 +93,34 @@ fn curve(packing: Packing) -> Plot {
 }
 
 /// LINEAR filtering: a table of every packing, and an image of some.
-pub(super) fn filters() -> Section {
-    let slope = Slope { step: 1.0 / 1024.0 };
+pub(super) fn filters(fraction: f32) -> Section {
+    let slope = Slope { step: STEP };
     let mut section = Section::new(
         "filter",
         "LINEAR filtering of packed bytes",
-        "Two neighbouring texels 1/1024 apart in depth, every fraction between them: what the blend \
-         of their bytes decodes to, less the blend of their depths. Even where that is exact, an \
-         average of depths is not an average of verdicts.",
+        "Two neighbouring texels 1/1000 apart in depth, every fraction between them: what the blend \
+         of their bytes decodes to, less the blend of their depths. A sum of weighed bytes is linear \
+         and survives a precise filter; an unpack that rounds digits does not, so read it with \
+         NEAREST. Even where the blend is exact, an average of depths is no average of verdicts.",
     );
     let mut table =
         Table::new("filter-table", "Largest error over depths below 1 and all fractions.")
             .column("packing", "", "")
             .column("full precision", "window depth", "f32 weights and result, as measured")
-            .column("8-bit result", "window depth", "mip maps, blurred byte targets");
+            .column("fp16 result", "window depth", "16-bit samplers of phones")
+            .column("8-bit result", "window depth", "mip maps, blurred byte targets")
+            .column("worst fraction", "", "of the filter, full precision")
+            .column(&format!("at {fraction}"), "window depth", "largest at this fraction alone");
     let mut images: Vec<(String, Vec<f32>)> = Vec::new();
     for &packing in Packing::ALL.iter().filter(|p| p.original() == **p) {
         let sweep = |result| FilterSweep::new(packing, result, slope, SWEEP.0, SWEEP.1);
-        let (full, byte) = (sweep(FilterResult::Full), sweep(FilterResult::Byte));
-        let cells = [Cell::Number(full.max(), 3), Cell::Number(byte.max(), 3)];
-        table.push([vec![packing.name().into()], cells.to_vec()].concat());
+        let full = sweep(FilterResult::Full);
+        let other = [FilterResult::Half, FilterResult::Byte].map(|result| sweep(result).max());
+        let numbers = [full.max(), other[0], other[1]].map(|error| Cell::Number(error, 3));
+        let worst = Cell::Number(full.worst_fraction(), 3);
+        let given = max_at(packing, FilterResult::Full, slope, SWEEP.0, fraction);
+        let name = vec![packing.name().into()];
+        table.push([name, numbers.to_vec(), vec![worst, Cell::Number(given, 3)]].concat());
         if [Packing::Book, Packing::Aras2009, Packing::ThreeRgba, Packing::Digits24]
             .contains(&packing)
         {
@@ -148,10 +161,10 @@ pub(super) fn resolution() -> Section {
         DepthFormat::F32,
     ];
     // Linear depth has the orthographic curve.
-    for &kind in MappingKind::ALL.iter().filter(|&&kind| kind != MappingKind::Linear) {
-        let mapping = DepthMapping::new(kind, NEAR, FAR).expect("valid planes");
-        section.push(resolution_plot(mapping, &formats));
-    }
+    let kinds = MappingKind::ALL.iter().filter(|&&kind| kind != MappingKind::Linear);
+    let mapping = |&kind| DepthMapping::new(kind, NEAR, FAR).expect("valid planes");
+    let plots = kinds.map(|kind| resolution_plot(mapping(kind), &formats)).collect();
+    push_in_pairs(&mut section, plots);
     section.push(resolution_table(&formats));
     section
 }
@@ -160,7 +173,7 @@ fn resolution_plot(mapping: DepthMapping, formats: &[DepthFormat]) -> Plot {
     let kind = mapping.kind();
     let mut series = Vec::new();
     for (i, &format) in formats.iter().enumerate() {
-        let curve = WorldResolution { format, mapping }.curve(200);
+        let curve = WorldResolution { format, mapping }.curve(RESOLUTION_POINTS);
         let colour = Colour::series(i);
         let measured = curve.iter().map(|&(z, step, _)| (z, step.unwrap_or(f64::NAN))).collect();
         let theory = curve.iter().map(|&(z, _, theory)| (z, theory)).collect();

@@ -1,6 +1,6 @@
 //! What documents and engines claim about packings, and what the certificates say.
 
-use super::{Dossier, Measured};
+use super::{Dossier, FP16, Measured, RECIPROCAL};
 use crate::analysis::roundtrip::verdict::Advice;
 use crate::report::{Cell, Finding, Section, Verdict};
 
@@ -44,10 +44,18 @@ pub(super) fn section(measured: &Measured) -> Section {
         "What documents and engines say about packings.",
     );
     section.push(
-        [book_precision(measured), aras_one(measured), three_far(measured), truncation(measured)]
-            .into_iter()
-            .flatten()
-            .collect::<Vec<Finding>>(),
+        [
+            book_precision(measured),
+            aras_samplers(measured),
+            aras_one(measured),
+            three_far(measured),
+            truncation(measured),
+            digits_exact(measured),
+            mediump(measured),
+        ]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<Finding>>(),
     );
     section
 }
@@ -69,8 +77,64 @@ fn book_precision(measured: &Measured) -> Option<Finding> {
             "Four channels err by up to {four:.4e}, one by {one:.4e}: bytes hold k/255, the digits \
              are k/256, and the next digit does not make up for it."
         ),
-        expression: "packings[book].certificates[0].max.error < packings[r8]….max.error / 2".into(),
+        expression: "packings[book].certificates[0].max < packings[r8]….max / 2".into(),
         values: vec![("book".into(), Cell::Number(four, 5)), ("r8".into(), Cell::Number(one, 5))],
+    })
+}
+
+fn aras_samplers(measured: &Measured) -> Option<Finding> {
+    let aras = found(measured, "aras-2009")?;
+    let (divided, product) = (&aras.certificates[0], &aras.certificates[RECIPROCAL]);
+    let (few, more) = (divided.order?.inversions, product.order?.inversions);
+    Some(Finding {
+        id: "aras-samplers".into(),
+        claim: "Aras 2009 keeps 23 bits in order".into(),
+        verdict: decided(few == 0 && more == 0),
+        sentence: format!(
+            "Below 1 it errs by up to {:.4e} with {few} neighbours in the wrong order where bytes are \
+             read as rounded k/255, by {:.4e} with {more} where as k·f32(1/255).",
+            divided.max.error, product.max.error
+        ),
+        expression: "packings[aras-2009].certificates[0].inversions == 0".into(),
+        values: vec![
+            ("k/255".into(), Cell::count(few)),
+            ("k·f32(1/255)".into(), Cell::count(more)),
+        ],
+    })
+}
+
+fn digits_exact(measured: &Measured) -> Option<Finding> {
+    let digits = found(measured, "digits-32")?;
+    let from = f64::from(digits.certificates[0].exact_from?);
+    Some(Finding {
+        id: "digits-exact".into(),
+        claim: "32 bits hold a 32-bit float".into(),
+        verdict: decided(from == 0.0),
+        sentence: format!(
+            "Integer digits return every f32 from {from} (2^{:.0}) on unchanged; nearer to 0 floats \
+             are finer than 2^-32, and the largest error is {:.3e}.",
+            libm::log2(from),
+            digits.certificates[0].max.error
+        ),
+        expression: "packings[digits-32].certificates[0].exact_from == 0".into(),
+        values: vec![("exact_from".into(), Cell::Number(from, 6))],
+    })
+}
+
+fn mediump(measured: &Measured) -> Option<Finding> {
+    let fp16 = |d: &Dossier| d.certificates[FP16].sound.broken > 0;
+    let broken = measured.dossiers.iter().filter(|d| fp16(d)).count();
+    let book = found(measured, "book")?;
+    Some(Finding {
+        id: "mediump".into(),
+        claim: "Documents 001 and 004: precision mediump is enough to pack".into(),
+        verdict: decided(!fp16(book)),
+        sentence: format!(
+            "In half precision {broken} of {} packings meet infinity: 256³ and 255³ exceed 65504.",
+            measured.dossiers.len()
+        ),
+        expression: "packings[book].certificates[7].not_sound == 0".into(),
+        values: vec![("packings that overflow".into(), Cell::count(broken))],
     })
 }
 
@@ -112,7 +176,7 @@ fn truncation(measured: &Measured) -> Option<Finding> {
         sentence: format!(
             "Truncated, Aras 2009 errs by up to {bad:.3e}; integer digits still by {good:.3e}."
         ),
-        expression: "packings[aras-2009].certificates[1].max.error > 0.001".into(),
+        expression: "packings[aras-2009].certificates[1].max > 0.001".into(),
         values: vec![
             ("aras-2009".into(), Cell::Number(*bad, 4)),
             ("digits-24".into(), Cell::Number(*good, 4)),

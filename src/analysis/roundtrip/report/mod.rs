@@ -2,6 +2,7 @@
 
 mod figures;
 mod findings;
+mod results;
 mod tables;
 
 use super::certificate::Certificate;
@@ -15,7 +16,6 @@ use crate::depth::{
 use crate::report::{Profile, Report, Section};
 use crate::simd::Level;
 use rayon::prelude::*;
-use serde_json::json;
 
 /// Version of the layout of `results.json`.
 pub const SCHEMA: &str = "gnomon-roundtrip-1";
@@ -35,6 +35,8 @@ pub struct Options {
     pub packings: Vec<Packing>,
     /// A user's own pair with its name.
     pub pair: Option<(String, TextPair)>,
+    /// The LINEAR filter's fraction that has a column of its own, in [0, 1].
+    pub fraction: f32,
 }
 
 /// One column of the heat map: conditions by name.
@@ -64,6 +66,11 @@ const SETTINGS: [Setting; 9] = {
     ]
 };
 
+/// Where the sampler's other rule stands in [`SETTINGS`].
+pub(super) const RECIPROCAL: usize = 4;
+/// Where half-precision arithmetic stands.
+pub(super) const FP16: usize = 7;
+
 /// All certificates of one packing, in the order of the settings.
 #[derive(Clone, Debug)]
 pub(super) struct Dossier {
@@ -82,23 +89,40 @@ pub(super) struct Measured {
     pub(super) formats: Vec<Certificate>,
 }
 
+impl Measured {
+    /// One dossier of those whose packings have the same operations.
+    pub(super) fn distinct(&self) -> impl Iterator<Item = &Dossier> {
+        let first = |(i, d): &(usize, &Dossier)| !self.dossiers[..*i].iter().any(|e| e.same_as(d));
+        self.dossiers.iter().enumerate().filter(first).map(|(_, dossier)| dossier)
+    }
+}
+
+impl Dossier {
+    fn same_as(&self, other: &Self) -> bool {
+        let original = |d: &Self| d.packing.map(Packing::original);
+        original(self).is_some() && original(self) == original(other)
+    }
+}
+
 impl Options {
-    /// Settings whose every float is answered for: those with wide loops, as far as asked.
-    fn method(&self, setting: usize) -> Method {
+    /// Settings whose every float is answered for: those with wide loops, as far as asked; and Aras
+    /// 2009 under both samplers, whose counts of inversions are known.
+    fn method(&self, packing: Option<Packing>, setting: usize) -> Method {
         let whole = match (self.exhaustive, self.profile) {
             (true, _) => 6,
             (false, Profile::Full) => 3,
             (false, Profile::Quick) => 1,
         };
-        match (setting < whole, self.brute) {
+        let known = packing == Some(Packing::Aras2009) && setting == RECIPROCAL;
+        match (setting < whole || known, self.brute) {
             (true, true) => Method::Brute,
             (true, false) => Method::Pruned,
             (false, _) => Method::Sampled,
         }
     }
 
-    fn effort(&self, setting: usize) -> Effort {
-        Effort { method: self.method(setting), level: Level::best() }
+    fn effort(&self, packing: Option<Packing>, setting: usize) -> Effort {
+        Effort { method: self.method(packing, setting), level: Level::best() }
     }
 
     /// How many steps `report` announces.
@@ -122,7 +146,7 @@ impl Options {
 
 fn certificates(packing: Packing, options: &Options) -> Vec<Certificate> {
     let certify = |(i, setting): (usize, &Setting)| {
-        options.effort(i).certify_packing(packing, setting.conditions)
+        options.effort(Some(packing), i).certify_packing(packing, setting.conditions)
     };
     SETTINGS.iter().enumerate().map(certify).collect()
 }
@@ -133,7 +157,7 @@ fn evidence(certificates: &[Certificate]) -> Evidence<'_> {
         truncated: &certificates[1],
         admissible: &certificates[2],
         half_sampler: &certificates[6],
-        fp16: &certificates[7],
+        fp16: &certificates[FP16],
     }
 }
 
@@ -167,23 +191,29 @@ fn measure(options: &Options, progress: &(impl Fn() + Sync)) -> Measured {
     let mut dossiers: Vec<Dossier> = options.chosen().into_iter().map(of).collect();
     dossiers.extend(options.pair.as_ref().map(|(name, pair)| {
         let certify = |(i, setting): (usize, &Setting)| {
-            options.effort(i).certify_text(name, *pair, setting.conditions)
+            options.effort(None, i).certify_text(name, *pair, setting.conditions)
         };
         let certificates = SETTINGS.iter().enumerate().map(certify).collect();
         progress();
         dossier(name, "the pair given with --pair".to_string(), None, certificates)
     }));
     let format = |&format: &DepthFormat| {
-        let certificate = certify_format(format);
+        let certificate = certify_format(format, options);
         progress();
         certificate
     };
     Measured { dossiers, formats: DepthFormat::ALL.par_iter().map(format).collect() }
 }
 
-/// Formats by break points; f32 itself loses nothing and is only sampled.
-fn certify_format(format: DepthFormat) -> Certificate {
-    let method = if format == DepthFormat::F32 { Method::Sampled } else { Method::BreakPoints };
+/// Formats by break points; f32 itself loses nothing and is only sampled, as is in the quick profile
+/// a format with more codes than most binades have floats.
+fn certify_format(format: DepthFormat, options: &Options) -> Certificate {
+    let quick = options.profile == Profile::Quick && !options.exhaustive;
+    let method = match format {
+        DepthFormat::F32 => Method::Sampled,
+        DepthFormat::Unorm32 if quick => Method::Sampled,
+        _ => Method::BreakPoints,
+    };
     let trip = FormatTrip { format, store: UnormStore::Exact, load: UnormLoad::Divide };
     Effort { method, level: Level::best() }.certify_format(trip)
 }
@@ -208,41 +238,26 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> Report {
         ("weights", "mean and rms are over uniform depth: each float weighs its spacing"),
     ];
     report.parameters = parameters.map(|(k, v)| (k.to_string(), v.to_string())).into();
-    report.sections = sections(&measured);
-    report.results = json!({
-        "schema": SCHEMA,
-        "profile": options.profile.name(),
-        "seed": options.seed,
-        "packings": measured.dossiers.iter().map(|d| json!({
-            "name": d.name,
-            "about": d.about,
-            "advice": d.advice.name(),
-            "sentence": d.sentence,
-            "certificates": d.certificates.iter().enumerate().map(brief).collect::<Vec<_>>(),
-        })).collect::<Vec<_>>(),
-        "formats": measured.formats,
-    });
+    report.sections = sections(&measured, options);
+    report.results = results::results(options, &measured);
     report
 }
 
-/// Ranges and unusual depths are given for the plain setting alone.
-fn brief((setting, certificate): (usize, &Certificate)) -> serde_json::Value {
-    let mut value = json!(certificate);
-    if let Some(object) = value.as_object_mut().filter(|_| setting > 0) {
-        object.remove("ranges");
-        object.remove("specials");
-    }
-    value
-}
-
 fn command(options: &Options) -> String {
-    let profile = if options.profile == Profile::Quick { " --quick" } else { "" };
-    let exhaustive = if options.exhaustive { " --exhaustive" } else { "" };
-    let brute = if options.brute { " --brute" } else { "" };
-    format!("gnomon-roundtrip{profile}{exhaustive}{brute}")
+    let mut words = vec!["gnomon-roundtrip".to_string()];
+    let mut say = |given: bool, word: &str| words.extend(given.then(|| word.to_string()));
+    say(options.profile == Profile::Quick, "--quick");
+    say(options.exhaustive, "--exhaustive");
+    say(options.brute, "--brute");
+    let names: Vec<&str> = options.packings.iter().map(|p| p.name()).collect();
+    say(!names.is_empty(), &format!("--packing {}", names.join(",")));
+    let pair = options.pair.as_ref().map_or("", |(name, _)| name);
+    say(!pair.is_empty(), &format!("--pair {pair}.toml"));
+    say(options.fraction != 0.5, &format!("--fraction {}", options.fraction));
+    words.join(" ")
 }
 
-fn sections(measured: &Measured) -> Vec<Section> {
+fn sections(measured: &Measured, options: &Options) -> Vec<Section> {
     let mut advice = Section::new(
         "advice",
         "Which packing to use",
@@ -268,7 +283,7 @@ fn sections(measured: &Measured) -> Vec<Section> {
     sections.push(tables::certificates(measured));
     sections.push(figures::curves(measured));
     sections.push(tables::details(measured));
-    sections.push(figures::filters());
+    sections.push(figures::filters(options.fraction));
     sections.push(figures::resolution());
     sections.push(tables::formats(measured));
     sections.push(tables::moments());

@@ -1,6 +1,6 @@
 //! The report's tables: advice, certificates, ranges, unusual depths, formats, moments.
 
-use super::{Dossier, Measured};
+use super::{Dossier, Measured, SETTINGS};
 use crate::analysis::roundtrip::certificate::Certificate;
 use crate::analysis::roundtrip::moments::{MomentStore, moment_precision};
 use crate::analysis::roundtrip::verdict::Advice;
@@ -46,6 +46,7 @@ pub(super) fn summary(measured: &Measured) -> Table {
         .column("bound", "window depth", "proved")
         .column("bits", "", "-log2 of the largest error")
         .column("far reads", "", "decoded value of z = 1")
+        .column("exact from", "window depth", "no depth from here to 1 is changed")
         .column("inversions", "", "neighbours in the wrong order")
         .column("max truncated", "window depth", "with a store that truncates")
         .column("bias forced", "window depth", "smallest constant bias without self-shadowing")
@@ -60,6 +61,7 @@ pub(super) fn summary(measured: &Measured) -> Table {
             Cell::number(c.bound.as_ref().map(|b| b.value)),
             Cell::Number(c.equivalent_bits, 4),
             Cell::Number(c.at_one, 6),
+            Cell::number(c.exact_from.map(f64::from)),
             c.order.map_or(Cell::Missing, |o| Cell::count(o.inversions)),
             Cell::Number(dossier.certificates[1].max.error, 4),
             Cell::Number(c.forced_bias.into(), 4),
@@ -77,54 +79,63 @@ pub(super) fn certificates(measured: &Measured) -> Section {
         "Every packing under every store, sampler and arithmetic; bound beside measured where a \
          bound is proved.",
     );
-    let table = Table::new("certificate-table", "One row per combination.")
-        .column("packing", "", "")
-        .column("store", "", "")
-        .column("sampler", "", "")
-        .column("arithmetic", "", "");
+    let table = Table::new(
+        "certificate-table",
+        "One row per combination; packings with the same operations share theirs. results.json has \
+         every digit.",
+    )
+    .column("packing", "", "")
+    .column("hardware", "", "store, sampler or arithmetic; else rounding, k/255, f32");
     let mut table = max_column(table)
         .column("at depth", "", "")
         .column("bound", "window depth", "proved upper bound of the largest error")
         .column("mean", "window depth", "of decoded - z over uniform depth")
         .column("rms", "window depth", "over uniform depth")
-        .column("bits", "", "")
-        .column("far reads", "", "")
-        .column("inversions", "", "")
+        .column("far reads", "", "decoded value of z = 1")
+        .column("inversions", "", "neighbours in the wrong order; none told of a set of stores")
         .column("largest drop", "window depth", "")
         .column("not idempotent", "", "share of looked-at depths that change when repacked")
+        .column("not invertible", "", "share of looked-at texels that change when repacked")
         .column("overflow", "", "share of looked-at depths that meet infinity or NaN")
-        .column("bias forced", "window depth", "")
+        .column("bias forced", "window depth", "smallest constant bias without self-shadowing")
         .column("floats", "", "answered for")
-        .column("evaluated", "", "");
-    for c in measured.dossiers.iter().flat_map(|d| &d.certificates) {
-        table.push(certificate_row(c));
+        .column("evaluated", "", "to do so");
+    for dossier in measured.distinct() {
+        for (setting, c) in SETTINGS.iter().zip(&dossier.certificates) {
+            table.push(certificate_row(setting.name, c));
+        }
     }
     section.push(table);
     section.folded()
 }
 
 fn share(promise: crate::analysis::roundtrip::Promise) -> Cell {
-    Cell::Percent(promise.broken as f64 / promise.tested.max(1) as f64)
+    let share = promise.broken as f64 / promise.tested.max(1) as f64;
+    Cell::Percent(shown(share))
 }
 
-fn certificate_row(c: &Certificate) -> Vec<Cell> {
+/// A number to the six digits that a table needs; `results.json` has them all.
+fn shown(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+fn certificate_row(setting: &str, c: &Certificate) -> Vec<Cell> {
+    let shown = |x: f64| Cell::Number(shown(x), 4);
     vec![
         c.name.as_str().into(),
-        c.store.clone().into(),
-        c.load.clone().into(),
-        c.arithmetic.clone().into(),
+        setting.into(),
         Cell::Number(c.max.error, 5),
         Cell::Number(c.max.at.into(), 9),
-        Cell::number(c.bound.as_ref().map(|b| b.value)),
-        Cell::Number(c.mean, 3),
-        Cell::Number(c.rms, 3),
-        Cell::Number(c.equivalent_bits, 4),
+        c.bound.as_ref().map_or(Cell::Missing, |b| shown(b.value)),
+        shown(c.mean),
+        shown(c.rms),
         Cell::Number(c.at_one, 9),
         c.order.map_or(Cell::Missing, |o| Cell::count(o.inversions)),
-        c.order.map_or(Cell::Missing, |o| Cell::Number(o.largest_drop.error, 4)),
+        c.order.map_or(Cell::Missing, |o| shown(o.largest_drop.error)),
         share(c.idempotent),
+        share(c.invertible),
         share(c.sound),
-        Cell::Number(c.forced_bias.into(), 4),
+        shown(c.forced_bias.into()),
         Cell::count(c.answered),
         Cell::count(c.evaluated),
     ]
@@ -137,12 +148,13 @@ pub(super) fn details(measured: &Measured) -> Section {
         "By depth range, and unusual depths",
         "f32, a store that rounds. A packing may look fine in a scene whose depths lie near 1.",
     );
-    section.push(ranges(&measured.dossiers));
-    section.push(specials(&measured.dossiers));
+    let dossiers: Vec<&Dossier> = measured.distinct().collect();
+    section.push(ranges(&dossiers));
+    section.push(specials(&dossiers));
     section.folded()
 }
 
-fn ranges(dossiers: &[Dossier]) -> Table {
+fn ranges(dossiers: &[&Dossier]) -> Table {
     let mut table =
         Table::new("ranges", "Largest error in each range of depth.").column("packing", "", "");
     let heading = |c: &Certificate| -> Vec<String> {
@@ -152,7 +164,8 @@ fn ranges(dossiers: &[Dossier]) -> Table {
         table = table.column(&name, "", "");
     }
     for dossier in dossiers {
-        let errors = dossier.certificates[0].ranges.iter().map(|r| Cell::Number(r.max.error, 3));
+        let errors =
+            dossier.certificates[0].ranges.iter().map(|r| Cell::Number(shown(r.max.error), 3));
         table.push(std::iter::once(dossier.name.as_str().into()).chain(errors).collect());
     }
     table
@@ -167,7 +180,7 @@ fn range_name(from: f64, to: f64) -> String {
     if from == to { "1".to_string() } else { format!("{}–{}", text(from), text(to)) }
 }
 
-fn specials(dossiers: &[Dossier]) -> Table {
+fn specials(dossiers: &[&Dossier]) -> Table {
     let mut table =
         Table::new("unusual", "What unusual depths decode to.").column("packing", "", "");
     let names = dossiers.first().map(|d| &d.certificates[0].specials);
@@ -192,6 +205,7 @@ pub(super) fn formats(measured: &Measured) -> Section {
         .column("format", "", "");
     let mut table = max_column(table)
         .column("at depth", "", "")
+        .column("bound", "window depth", "proved")
         .column("rms", "window depth", "over uniform depth")
         .column("bits", "", "")
         .column("method", "", "")
@@ -201,6 +215,7 @@ pub(super) fn formats(measured: &Measured) -> Section {
             c.name.as_str().into(),
             Cell::Number(c.max.error, 5),
             Cell::Number(c.max.at.into(), 9),
+            Cell::number(c.bound.as_ref().map(|b| b.value)),
             Cell::Number(c.rms, 4),
             Cell::Number(c.equivalent_bits, 4),
             c.method.name().into(),
@@ -216,8 +231,8 @@ pub(super) fn moments() -> Section {
     let mut section = Section::new(
         "moments",
         "Variance and exponential shadow maps, a first look",
-        "A flat surface has no variance; what the storage leaves is false, and the variance floor \
-         must cover it.",
+        "A flat surface has no variance; what the storage and a 3 × 3 blur leave is false, and the \
+         variance floor must cover it.",
     );
     let mut table =
         Table::new("moment-table", "False variance of flat surfaces over 65,536 depths.")
