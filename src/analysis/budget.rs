@@ -28,7 +28,7 @@ pub struct Budget {
     pub filter: f64,
     /// The measured critical bias of the case itself; `None` where no bias ends acne.
     pub total: Option<f64>,
-    /// The critical bias with twice the map size.
+    /// The critical bias with twice the map size, up to 4096 texels a side.
     pub twice_the_map: Option<f64>,
     /// The critical bias of a 32-bit float map with the case's filter.
     pub float: Option<f64>,
@@ -38,17 +38,37 @@ pub struct Budget {
     pub receiver_plane: Option<f64>,
 }
 
-/// The smallest amount of a strategy that ends acne.
-fn critical(
-    field: &Field<'_>,
+/// The largest map that a budget draws to see what twice the size would buy.
+const LARGEST: u32 = 4096;
+
+/// Charts of one map size, each drawn once.
+struct Charts<'f, 'a> {
+    field: &'f Field<'a>,
     size: u32,
-    format: TexelFormat,
-    filter: Filter,
-    strategy: Strategy,
-) -> Option<f64> {
-    let chart = Chart::new(field, size, usable_filter(filter, format), Attachment::of(format));
+    drawn: Vec<Chart<'f, 'a>>,
+}
+
+impl<'f, 'a> Charts<'f, 'a> {
+    const fn new(field: &'f Field<'a>, size: u32) -> Self {
+        Self { field, size, drawn: Vec::new() }
+    }
+
+    fn chart(&mut self, format: TexelFormat, filter: Filter) -> &Chart<'f, 'a> {
+        let (filter, attachment) = (usable_filter(filter, format), Attachment::of(format));
+        let known =
+            self.drawn.iter().position(|c| c.filter == filter && c.attachment == attachment);
+        let at = known.unwrap_or_else(|| {
+            self.drawn.push(Chart::new(self.field, self.size, filter, attachment));
+            self.drawn.len() - 1
+        });
+        &self.drawn[at]
+    }
+}
+
+/// The smallest amount of a strategy that ends acne.
+fn critical(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy) -> Option<f64> {
     let weights = chart.weights(format);
-    let curve = Taps::new(strategy, &weights).curve_on(&chart, format, strategy);
+    let curve = Taps::new(strategy, &weights).curve_on(chart, format, strategy);
     curve.quiet_from(0, &[Kind::Acne]).map(f64::from)
 }
 
@@ -68,12 +88,19 @@ impl Budget {
         let case = field.case();
         let (size, own, filter) = (case.map.size, case.map.texel, case.lookup.filter);
         let float = TexelFormat::Depth(DepthFormat::F32);
-        let at = |format, filter| critical(field, size, format, filter, Strategy::Constant);
+        let mut charts = Charts::new(field, size);
+        let mut at =
+            |format, filter| critical(charts.chart(format, filter), format, Strategy::Constant);
         let ideal = at(float, Filter::Nearest).unwrap_or(0.0);
         let stored = at(sound(own), Filter::Nearest).unwrap_or(ideal);
         let nearest = at(own, Filter::Nearest);
         let total = at(own, filter);
-        let slope = slope_need(field, size);
+        let float_total = at(float, filter);
+        let slope = slope_need(charts.chart(float, Filter::Nearest));
+        let receiver_plane = critical(charts.chart(own, filter), own, Strategy::ReceiverPlane);
+        drop(charts);
+        let twice =
+            || critical(Charts::new(field, size * 2).chart(own, filter), own, Strategy::Constant);
         let packed = nearest.unwrap_or(stored);
         Self {
             slope,
@@ -82,10 +109,10 @@ impl Budget {
             packing: packed - stored,
             filter: total.unwrap_or(packed) - packed,
             total,
-            twice_the_map: critical(field, size * 2, own, filter, Strategy::Constant),
-            float: at(float, filter),
+            twice_the_map: if size * 2 <= LARGEST { twice() } else { None },
+            float: float_total,
             nearest,
-            receiver_plane: critical(field, size, own, filter, Strategy::ReceiverPlane),
+            receiver_plane,
         }
     }
 
@@ -109,7 +136,7 @@ impl Budget {
         ];
         let share = |x: f64| if total > 0.0 { 100.0 * x / total } else { 0.0 };
         let list: Vec<String> =
-            parts.iter().map(|(n, x)| format!("{n} {:.0} %", share(*x))).collect();
+            parts.iter().map(|(n, x)| format!("{n} {:.0} %", share(*x) + 0.0)).collect();
         let knobs = [
             ("a map of twice the size", self.twice_the_map),
             ("a 32-bit float map", self.float),
@@ -127,8 +154,8 @@ impl Budget {
 }
 
 /// The largest (s/2)(|gx| + |gy|) over truly lit receivers, window depth.
-fn slope_need(field: &Field<'_>, size: u32) -> f64 {
-    let chart = Chart::new(field, size, Filter::Nearest, Attachment::Depth);
+fn slope_need(chart: &Chart<'_, '_>) -> f64 {
+    let (field, size) = (chart.field, chart.size);
     let format = TexelFormat::Depth(DepthFormat::F32);
     let looks = chart.looks(format, &Strategy::Constant.with(0.0));
     let rule = field.case().lookup.compare;

@@ -15,12 +15,13 @@ use crate::raster::NO_TRIANGLE;
 use crate::scene::Case;
 use crate::truth::Truth;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A measured case with the receivers behind the numbers.
 #[derive(Debug)]
 pub struct Measured<'a> {
     /// The drawn case and its truth.
-    pub observer: Observer<'a>,
+    pub observer: Arc<Observer<'a>>,
     /// Every observed receiver.
     pub observations: Vec<Observation>,
     /// Its constant-bias curves.
@@ -62,7 +63,7 @@ fn of_observer(observer: Observer<'_>, step: u32) -> Measured<'_> {
         rayon::join(|| interior::counted(&observer, &observations), || Curve::new(&observations));
     work.push(count);
     let measurement = summarize(&observer, &observations, &curve, &inside, step);
-    Measured { observer, observations, curve, measurement, work }
+    Measured { observer: Arc::new(observer), observations, curve, measurement, work }
 }
 
 fn summarize(

@@ -68,7 +68,14 @@ fn palette(rgb: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
     let mut seen = HashMap::new();
     let mut colours = Vec::new();
     let mut indices = Vec::with_capacity(rgb.len() / 3);
+    let mut last: &[u8] = &[];
     for pixel in rgb.chunks_exact(3) {
+        // Neighbours are mostly alike.
+        if pixel == last {
+            indices.push(*indices.last().expect("a pixel came before"));
+            continue;
+        }
+        last = pixel;
         let next = seen.len();
         let index = *seen.entry([pixel[0], pixel[1], pixel[2]]).or_insert(next);
         if index == next {

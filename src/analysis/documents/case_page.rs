@@ -33,7 +33,7 @@ pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: 
     ]));
     section.push(explore::explorer(measured, compared, step));
     section.push(curve(measured));
-    let field = Field::new(observer.case(), step);
+    let field = Field::over(measured.observer.clone(), step);
     section.push(formats_by_bias(&m.name, &field));
     section.push(Budget::of(&field).sentence(&m.name));
     section.push(numbers(m));

@@ -66,7 +66,7 @@ pub struct Chart<'f, 'a> {
     pub size: u32,
     /// Texels read.
     pub filter: Filter,
-    pub(super) attachment: Attachment,
+    pub(in crate::analysis) attachment: Attachment,
     pub(super) raster: Raster,
     pub(super) fragments: Fragments,
     pub(super) footprints: Vec<Footprint>,

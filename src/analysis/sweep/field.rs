@@ -9,6 +9,7 @@ use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// One counted receiver.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ pub struct Sample {
 #[derive(Debug)]
 pub struct Field<'a> {
     /// The drawn case and its truth.
-    pub observer: Observer<'a>,
+    pub observer: Arc<Observer<'a>>,
     /// Row by row from the bottom.
     pub samples: Vec<Sample>,
     /// Truly lit and truly shadowed.
@@ -52,8 +53,13 @@ impl<'a> Field<'a> {
     /// The counted receivers at every `step`-th pixel of a case on its own device.
     #[must_use]
     pub fn new(case: &'a Case, step: u32) -> Self {
-        let observer = Observer::new(case, &case.device.device());
-        let [width, height] = case.canvas;
+        Self::over(Arc::new(Observer::new(case, &case.device.device())), step)
+    }
+
+    /// The counted receivers at every `step`-th pixel of a case that is drawn already.
+    #[must_use]
+    pub fn over(observer: Arc<Observer<'a>>, step: u32) -> Self {
+        let [width, height] = observer.case().canvas;
         let rows: Vec<u32> = (0..height).step_by(step as usize).collect();
         let row = |y: u32| {
             let pixel = |x: u32| sample(&observer, [x, y]);
@@ -73,10 +79,10 @@ impl<'a> Field<'a> {
             judged(&observer, [i as u32, 0], *receiver, window.as_vec3().to_array())
         };
         let samples = receivers.par_iter().enumerate().filter_map(of).collect();
-        Self::of(observer, samples)
+        Self::of(Arc::new(observer), samples)
     }
 
-    fn of(observer: Observer<'a>, samples: Vec<Sample>) -> Self {
+    fn of(observer: Arc<Observer<'a>>, samples: Vec<Sample>) -> Self {
         let lit = samples.iter().filter(|s| s.lit).count() as u64;
         let populations = [lit, samples.len() as u64 - lit];
         Self { populations, observer, samples, moves: Moves::default() }
@@ -86,14 +92,13 @@ impl<'a> Field<'a> {
     /// that would land behind the light stay.
     #[must_use]
     pub fn looking_from(&self, recipe: &Recipe, size: u32) -> Self {
-        let case = self.case();
         let of = |sample: &Sample| {
             let offset = recipe.receiver_offset(&self.site(sample, size));
             let coord = moves::moved(self, sample, offset).unwrap_or(sample.coord);
             Sample { coord, ..sample.clone() }
         };
         let samples = self.samples.iter().map(of).collect();
-        Self::of(Observer::new(case, &case.device.device()), samples)
+        Self::of(self.observer.clone(), samples)
     }
 
     /// The case.

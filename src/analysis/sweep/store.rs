@@ -5,21 +5,38 @@ use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
 use crate::shadow::{self, Texels};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, OnceLock, PoisonError};
 
 /// What the texels of one map return, place by place: bits + 1 of the depth and of the four bytes, 0
 /// where they were not read yet.
 #[derive(Debug)]
 pub(super) struct Decoded {
-    depths: Vec<AtomicU32>,
-    bytes: Vec<AtomicU32>,
+    depths: Places,
+    bytes: Places,
 }
 
 impl Decoded {
     fn new(places: usize, texel: TexelFormat) -> Self {
-        let empty = |n: usize| (0..n).map(|_| AtomicU32::new(0)).collect();
         let packed = matches!(texel, TexelFormat::Packed(_));
-        Self { depths: empty(places), bytes: empty(if packed { places } else { 0 }) }
+        Self { depths: Places::new(places), bytes: Places::new(if packed { places } else { 0 }) }
+    }
+}
+
+/// Words that are 0 until written, in pages that are made when first touched: most texels of a large map
+/// are never looked up.
+#[derive(Debug)]
+struct Places(Vec<OnceLock<Box<[AtomicU32]>>>);
+
+impl Places {
+    const PAGE: usize = 1024;
+
+    fn new(places: usize) -> Self {
+        Self((0..places.div_ceil(Self::PAGE)).map(|_| OnceLock::new()).collect())
+    }
+
+    fn get(&self, place: usize) -> Option<&AtomicU32> {
+        let page = || (0..Self::PAGE).map(|_| AtomicU32::new(0)).collect();
+        Some(&self.0.get(place / Self::PAGE)?.get_or_init(page)[place % Self::PAGE])
     }
 }
 
@@ -96,7 +113,8 @@ impl Texels for Store<'_> {
     fn depth(&self, device: &Device, texel: usize) -> f32 {
         let texel = texel as u32;
         let read = || shadow::texel_depth(device, &self.spec, (self.drawn)(texel)).to_bits();
-        f32::from_bits(remember(&self.decoded.depths[(self.place)(texel)], read))
+        let place = self.decoded.depths.get((self.place)(texel)).expect("as many places as texels");
+        f32::from_bits(remember(place, read))
     }
 
     fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
