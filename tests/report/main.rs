@@ -2,6 +2,7 @@
 
 mod browser;
 mod explored;
+mod independent;
 mod measured;
 mod sample;
 

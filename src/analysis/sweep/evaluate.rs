@@ -36,7 +36,7 @@ pub struct Swept {
     pub acne_free: Option<Point>,
     /// Largest breakpoint of truly lit receivers that see their own surface alone (tap families).
     pub critical: Option<f32>,
-    /// The smallest amount that loses a true shadow.
+    /// The smallest amount that loses a true shadow by itself, whatever the format: peter-panning begins.
     pub detachment: Option<f32>,
     /// Truly lit and truly shadowed receivers.
     pub populations: [u64; 2],

@@ -32,13 +32,12 @@ pub fn combination(s: &Swept) -> Value {
     Value::Object(entry)
 }
 
-/// What a strategy leaves wrong where its acne ends: the share of the lit in false shadow plus the share of
-/// the shadowed in false light.
+/// What a strategy leaves wrong where its acne ends: the share of all counted receivers in false shadow or
+/// false light.
 fn left_wrong(s: &Swept) -> Option<f64> {
-    let share = |n: i64, of: u64| n as f64 / of.max(1) as f64;
-    let [lit, shadowed] = s.populations;
     let tally = s.acne_free?.tally;
-    Some(share(tally.false_shadow(), lit) + share(tally.false_light(), shadowed))
+    let wrong = tally.false_shadow() + tally.false_light();
+    Some(wrong as f64 / s.populations.iter().sum::<u64>().max(1) as f64)
 }
 
 /// The winner among combinations of one map, format and filter: the one that leaves least wrong; of

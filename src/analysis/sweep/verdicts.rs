@@ -13,7 +13,7 @@ fn constant<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
 
 /// One row a case.
 pub(super) fn table(sweeps: &[CaseSweep]) -> Table {
-    let caption = "The winner ends acne and leaves least wrong: its share of the lit in false shadow plus that of the shadowed in false light. Beside it what a constant bias needs, all in window depth.";
+    let caption = "The winner ends acne and leaves the fewest receivers wrong, either way. Beside it what a constant bias needs, all in window depth.";
     let mut table = Table::new("verdicts", caption)
         .column("case", "", "")
         .column("winner", "", "")
@@ -21,7 +21,11 @@ pub(super) fn table(sweeps: &[CaseSweep]) -> Table {
         .column("false shadow", "", "share of the truly lit that is wrong there")
         .column("false light", "", "share of the truly shadowed that is wrong there")
         .column("constant needs", "", "smallest constant bias that ends acne")
-        .column("detaches at", "", "smallest constant bias that loses a true shadow")
+        .column(
+            "detaches at",
+            "",
+            "smallest constant bias that exceeds a gap: from it on peter-panning by the bias alone",
+        )
         .column(
             "headroom",
             "",

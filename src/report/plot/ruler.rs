@@ -129,20 +129,31 @@ impl Ruler {
     }
 
     fn symlog_ticks(&mut self, linear: f64) {
+        self.ticks = self.symlog_ticks_at(linear, &[1.0]);
+        if self.ticks.len() < 3 {
+            self.ticks = self.symlog_ticks_at(linear, &[1.0, 2.0, 5.0]);
+        }
+    }
+
+    /// Zero and the multiples of powers of ten from `linear` on that stand apart from zero, at most four
+    /// of each sign (twelve of the axis that begins beyond zero).
+    fn symlog_ticks_at(&self, linear: f64, factors: &[f64]) -> Vec<(f64, String)> {
         let decade = libm::log10(linear).floor() as i32;
-        let values = (0..40).map(|i| ten(decade + i)).filter(|v| *v >= linear);
+        let values = (0..40).flat_map(|i| factors.iter().map(move |f| f * ten(decade + i)));
         let reach = self.low.abs().max(self.high.abs());
         let scale = self.scale;
         // A label of its own needs a twentieth of the axis.
-        let apart = |v: &f64| scale.place(*v) >= 0.05 * (self.high - self.low);
+        let apart = |v: &f64| *v >= linear && scale.place(*v) >= 0.05 * (self.high - self.low);
         let inside: Vec<_> =
             values.take_while(|v| scale.place(*v) <= reach * 1.0001).filter(apart).collect();
-        let every = inside.len().div_ceil(4).max(1);
+        let seen = |v: &f64| self.inside(scale.place(*v)) || self.inside(scale.place(-*v));
+        let every = inside.iter().filter(|v| seen(v)).count().div_ceil(4 * factors.len()).max(1);
         let positive = inside.into_iter().step_by(every);
         let signed = positive.flat_map(|v| [v, -v]).chain([0.0]);
         let ticks = signed.map(|v| (scale.place(v), number::pretty(v, 3)));
-        self.ticks = ticks.filter(|(t, _)| self.inside(*t)).collect();
-        self.ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut ticks: Vec<_> = ticks.filter(|(t, _)| self.inside(*t)).collect();
+        ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ticks
     }
 
     /// Zero stands a tenth of the axis below the smallest value.
@@ -236,6 +247,12 @@ mod tests {
         assert_eq!(labels(&Axis::log(""), &[1e-7, 1e-4]), ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴"]);
         assert_eq!(labels(&Axis::log(""), &[0.0, 0.1, 10.0]), ["0", "0.1", "1", "10"]);
         assert_eq!(labels(&Axis::log(""), &[2.0, 9.0]), ["2", "5"]);
+        let narrow = Axis {
+            scale: Scale::SymLog { linear: 0.1 },
+            range: Some((1.5, 40.0)),
+            ..Axis::default()
+        };
+        assert_eq!(labels(&narrow, &[]), ["2", "5", "10", "20"]);
         let symlog = Axis { scale: Scale::SymLog { linear: 1.0 }, ..Axis::default() };
         assert_eq!(labels(&symlog, &[-100.0, 10.0]), ["−100", "−10", "−1", "0", "1", "10"]);
     }
