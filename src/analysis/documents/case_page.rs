@@ -12,6 +12,10 @@ use crate::report::{
     Axis, Block, Cell, Colour, Column, HeatMap, Marker, Plot, Section, Series, Style, Table,
 };
 
+/// Formats and the budget are surveyed on every so many pixels in x and y, in every profile: they compare
+/// settings with each other, which few receivers show as well as many.
+const SURVEY_STEP: u32 = 4;
+
 /// Colour of false shadow and false light in every curve.
 const FALSE_SHADOW: Colour = Colour::Vermilion;
 const FALSE_LIGHT: Colour = Colour::Blue;
@@ -33,7 +37,7 @@ pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: 
     ]));
     section.push(explore::explorer(measured, compared, step));
     section.push(curve(measured));
-    let field = Field::over(measured.observer.clone(), step);
+    let field = Field::over(measured.observer.clone(), step.max(SURVEY_STEP));
     section.push(formats_by_bias(&m.name, &field));
     section.push(Budget::of(&field).sentence(&m.name));
     section.push(numbers(m));
@@ -123,7 +127,9 @@ fn formats_by_bias(name: &str, field: &Field<'_>) -> HeatMap {
     };
     let rows = formats::measure(field).into_iter().map(row).collect();
     let title = format!("{name}: wrong verdicts, format by bias");
-    overview::heat_map(&format!("{name}-formats"), &title, "format", rows)
+    let mut map = overview::heat_map(&format!("{name}-formats"), &title, "format", rows);
+    map.caption.push_str(" On every 4th pixel in x and y.");
+    map
 }
 
 fn numbers(m: &Measurement) -> Table {
