@@ -129,8 +129,10 @@ fn worst(documents: &[&Measurement]) -> Option<String> {
         let found = documents.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))?;
         (rate(found) > 0.0).then(|| format!("{} ({})", percent(rate(found), 3), found.name))
     };
-    let shadow = largest(|m| m.false_shadow.rate).map(|r| format!("of the lit up to {r} dark"));
-    let light = largest(|m| m.false_light.rate).map(|r| format!("of the shadowed up to {r} lit"));
+    let shadow = largest(|m| m.false_shadow.rate);
+    let shadow = shadow.map(|rate| format!("false shadow on up to {rate} of the lit"));
+    let light = largest(|m| m.false_light.rate);
+    let light = light.map(|rate| format!("false light on up to {rate} of the shadowed"));
     let parts: Vec<_> = shadow.into_iter().chain(light).collect();
     (!parts.is_empty())
         .then(|| format!("What remains at the systems' own biases: {}.", parts.join(", ")))
@@ -186,7 +188,7 @@ fn tile(m: &Measurement) -> Tile {
         to: format!("#{}", m.name),
         title: m.name.clone(),
         text: format!(
-            "{}: {} falsely dark, {} falsely lit",
+            "{}: false shadow {}, false light {}",
             Fit::of(m),
             percent(m.false_shadow.rate, 2),
             percent(m.false_light.rate, 2)
