@@ -68,3 +68,8 @@ pub mod truth;
 pub mod view;
 
 pub use error::{Error, Result};
+
+/// The README's examples are compiled with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

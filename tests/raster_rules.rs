@@ -1,4 +1,4 @@
-//! The rules of coverage and depth, against exact integers: R8, R9, R10 and R12 of the raster.
+//! The rules of coverage and depth, against exact integers: R9, R10 and R12 of the raster (R8 is in `fans.rs`).
 
 #[path = "support/meshes.rs"]
 mod meshes;
@@ -112,54 +112,6 @@ fn hits(corners: &[Vec4], triangles: &[[u32; 3]]) -> Vec<u32> {
         }
     }
     hits
-}
-
-/// R8: pixels of the whole target that a closed fan doubles or misses.
-fn faulty_fans(count: usize, seed: u64) -> usize {
-    let mut random = Random(seed);
-    let (low, high) = (-GRID / 2, SIDE * GRID - GRID / 2);
-    let mut faulty = 0;
-    for _ in 0..count {
-        let mut centre = [0; 2].map(|_| random.integer(low + 1, high - 1));
-        if random.index(2) == 0 {
-            centre = centre.map(|x| (x / GRID).max(0) * GRID);
-        }
-        let rim = |s: i64| {
-            let (side, at) = (s / (high - low), low + s % (high - low));
-            match side {
-                0 => [at, low],
-                1 => [high, at],
-                2 => [low + high - at, high],
-                _ => [low, low + high - at],
-            }
-        };
-        let mut stops: Vec<i64> = (0..4).map(|k| k * (high - low)).collect();
-        stops.extend((0..3 + random.index(6)).map(|_| random.integer(0, 4 * (high - low) - 1)));
-        stops.sort_unstable();
-        stops.dedup();
-        let mut corners = vec![clip(centre, 0.5)];
-        corners.extend(stops.iter().map(|&s| clip(rim(s), 0.5)));
-        let n = stops.len() as u32;
-        let order = |k: u32, turn: usize| {
-            let mut t = [0, k + 1, (k + 1) % n + 1];
-            t.rotate_left(turn % 3);
-            if turn >= 3 { [t[1], t[0], t[2]] } else { t }
-        };
-        let triangles: Vec<_> = (0..n).map(|k| order(k, random.index(6))).collect();
-        faulty += hits(&corners, &triangles).iter().filter(|&&h| h != 1).count();
-    }
-    faulty
-}
-
-#[test]
-fn fans_cover_every_pixel_once() {
-    assert_eq!(faulty_fans(3_000, 8), 0);
-}
-
-#[test]
-#[ignore = "soak: 10^6 fans, about 300 s"]
-fn a_million_fans_cover_every_pixel_once() {
-    assert_eq!(faulty_fans(1_000_000, 9), 0);
 }
 
 /// R9: the five fill-rule cases of dEQP (basic, reversed, clipped in part and in full, projected),

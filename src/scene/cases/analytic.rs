@@ -5,15 +5,12 @@
 //! light. Lights are orthographic unless a case says otherwise, so that window depth is linear: world
 //! length = depth · (far − near).
 
+use super::{float_map, plain_lookup};
 use crate::camera::Camera;
-use crate::depth::DepthFormat;
 use crate::device::DeviceProfile;
 use crate::light::Light;
 use crate::scene::shapes::{self, Mesh};
-use crate::scene::{
-    Case, CompareRule, CoordForm, Cull, DepthBuffer, Fact, Filter, LookupSpec, MapSpec,
-    MatrixChain, Object, Shading, TexelFormat, Wrap,
-};
+use crate::scene::{Case, Cull, Fact, MatrixChain, Object, Shading};
 use crate::view::{Projection, View};
 use glam::{DVec3, Mat4, Vec3};
 
@@ -86,20 +83,8 @@ fn case(scene: Scene) -> Case {
         camera: scene.camera,
         canvas: [scene.canvas; 2],
         chain,
-        map: MapSpec {
-            size: scene.map_size,
-            texel: TexelFormat::Depth(DepthFormat::F32),
-            clear: [1.0; 4],
-            depth_buffer: DepthBuffer::Texture,
-            cull: Cull::None,
-        },
-        lookup: LookupSpec {
-            coord: CoordForm::Divide,
-            compare: CompareRule::ReceiverBeyond,
-            range_test: true,
-            filter: Filter::Nearest,
-            wrap: Wrap::Clamp,
-        },
+        map: float_map(scene.map_size),
+        lookup: plain_lookup(),
         camera_cull: Cull::None,
         bias: scene.bias,
         shading: Shading::Lambert,

@@ -5,7 +5,10 @@ pub mod analytic;
 pub mod documents;
 pub mod standard;
 
-use super::Case;
+use super::{
+    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, TexelFormat, Wrap,
+};
+use crate::depth::DepthFormat;
 use crate::{Error, Result};
 
 /// Every case of the documents and the closed forms, in report order: the documents' first. The
@@ -45,4 +48,26 @@ pub fn named(name: &str) -> Result<Case> {
         .into_iter()
         .find(|case| case.name == name)
         .ok_or_else(|| Error::bad_input(format!("--case '{name}'"), "no such case", fix))
+}
+
+/// A 32-bit float depth texture of `size`² texels, cleared to far, nothing culled.
+const fn float_map(size: u32) -> MapSpec {
+    MapSpec {
+        size,
+        texel: TexelFormat::Depth(DepthFormat::F32),
+        clear: [1.0; 4],
+        depth_buffer: DepthBuffer::Texture,
+        cull: Cull::None,
+    }
+}
+
+/// NEAREST look-ups; receivers outside the map are lit.
+const fn plain_lookup() -> LookupSpec {
+    LookupSpec {
+        coord: CoordForm::Divide,
+        compare: CompareRule::ReceiverBeyond,
+        range_test: true,
+        filter: Filter::Nearest,
+        wrap: Wrap::Clamp,
+    }
 }

@@ -10,15 +10,12 @@ mod room;
 mod teapot;
 mod terrain;
 
+use super::{float_map, plain_lookup};
 use crate::camera::Camera;
-use crate::depth::DepthFormat;
 use crate::device::DeviceProfile;
 use crate::light::Light;
 use crate::scene::shapes::Mesh;
-use crate::scene::{
-    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, MatrixChain,
-    Object, Shading, TexelFormat, Wrap,
-};
+use crate::scene::{Case, Cull, MatrixChain, Object, Shading};
 use crate::view::{Projection, View};
 use glam::{DVec3, Mat4, Vec3};
 
@@ -101,20 +98,8 @@ fn case(scene: Scene<'_>) -> Case {
         camera,
         canvas: [640, 360],
         chain,
-        map: MapSpec {
-            size: 1024,
-            texel: TexelFormat::Depth(DepthFormat::F32),
-            clear: [1.0; 4],
-            depth_buffer: DepthBuffer::Texture,
-            cull: Cull::None,
-        },
-        lookup: LookupSpec {
-            coord: CoordForm::Divide,
-            compare: CompareRule::ReceiverBeyond,
-            range_test: true,
-            filter: Filter::Nearest,
-            wrap: Wrap::Clamp,
-        },
+        map: float_map(1024),
+        lookup: plain_lookup(),
         camera_cull: Cull::None,
         bias: scene.bias,
         shading: Shading::AmbientLambert,
