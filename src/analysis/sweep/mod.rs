@@ -17,6 +17,7 @@ pub mod tally;
 mod theory;
 mod values;
 mod verdicts;
+pub mod wrong;
 
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Family, Strategy};

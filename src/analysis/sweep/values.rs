@@ -4,6 +4,7 @@
 use super::chart::{Attachment, Chart};
 use super::evaluate::{Point, Swept};
 use super::tally::{Kind, Tally};
+use super::wrong::Wrong;
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Family, Layers, Strategy, Weights};
 use rayon::prelude::*;
@@ -11,13 +12,13 @@ use rayon::prelude::*;
 /// The literal counts at one amount, and which receivers are wrong there.
 struct Evaluated {
     point: Point,
-    wrong: Vec<(u32, Kind)>,
+    wrong: Vec<Wrong>,
 }
 
 /// The receivers that are wrong at one of two amounts in a way that counts.
 fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
-    let wrong = ends.into_iter().flat_map(|e| &e.wrong).filter(|w| counts(w.1));
-    let mut which: Vec<u32> = wrong.map(|w| w.0).collect();
+    let wrong = ends.into_iter().flat_map(|e| &e.wrong).filter(|w| counts(w.kind));
+    let mut which: Vec<u32> = wrong.map(|w| w.receiver).collect();
     which.sort_unstable();
     which.dedup();
     which
@@ -35,17 +36,14 @@ struct Literal<'c, 'f, 'a> {
 impl Literal<'_, '_, '_> {
     /// The counts over the receivers of `which`.
     fn at(&self, amount: f32, which: &[u32]) -> Evaluated {
-        let rule = self.chart.field.case().lookup.compare;
         let recipe = self.strategy.with(amount);
-        let (mut tally, mut gap, mut wrong) = (Tally::default(), 0.0f64, Vec::new());
-        for (id, looks) in self.chart.wrong(self.format, &recipe, &self.weights, which) {
-            let bias = recipe.tap_bias(&self.weights[id as usize]);
-            looks.tally(rule, bias, &mut tally);
-            let Some(kind) = looks.verdict(rule, bias).0 else { continue };
-            if kind == Kind::PeterPanning {
-                gap = gap.max(looks.inside);
+        let wrong = self.chart.wrong(self.format, &recipe, &self.weights, which);
+        let (mut tally, mut gap) = (Tally::default(), 0.0f64);
+        for w in &wrong {
+            w.tally(&mut tally);
+            if w.kind == Kind::PeterPanning {
+                gap = gap.max(self.chart.field.samples[w.receiver as usize].inside);
             }
-            wrong.push((id, kind));
         }
         Evaluated { point: Point { amount, tally, gap }, wrong }
     }
