@@ -67,6 +67,8 @@ pub struct Chart<'f, 'a> {
     /// Texels read.
     pub filter: Filter,
     pub(in crate::analysis) attachment: Attachment,
+    /// Whether coordinates are fixed-point before the texel is chosen.
+    pub(super) fixed: bool,
     pub(super) raster: Raster,
     pub(super) fragments: Fragments,
     pub(super) footprints: Vec<Footprint>,
@@ -115,6 +117,7 @@ impl<'f, 'a> Chart<'f, 'a> {
             size,
             filter,
             attachment,
+            fixed,
             raster,
             fragments,
             footprints,

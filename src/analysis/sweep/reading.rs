@@ -62,7 +62,7 @@ impl Chart<'_, '_> {
         };
         let casters = &self.casters;
         let texels = self.size as usize * self.size as usize;
-        let store = self.other_store(texel, drawn, |t| t as usize, texels);
+        let store = self.other_store(texel, drawn, None, texels);
         let read = self.looks_in_place(&store, &Recipe::default(), Reading::All, &|i, tap, _| {
             (casters[i][tap], 0.0)
         });
@@ -83,21 +83,18 @@ impl Chart<'_, '_> {
         recipe: &Recipe,
         reading: Reading,
     ) -> Vec<(u32, Looks)> {
-        self.with_map(texel, recipe, |store, surface| {
-            if recipe.moves_receiver() {
-                self.looks_moved(store, recipe, reading, surface)
-            } else {
-                self.looks_in_place(store, recipe, reading, surface)
-            }
+        self.with_maps(&[texel], recipe, |stores, surface| match recipe.moves_receiver() {
+            true => self.looks_moved(&stores[0], recipe, reading, surface),
+            false => self.looks_in_place(&stores[0], recipe, reading, surface),
         })
     }
 
-    /// What a map holds under a recipe.
-    pub(super) fn with_map<T>(
+    /// What a map holds under a recipe, in each of some formats.
+    pub(super) fn with_maps<T>(
         &self,
-        texel: TexelFormat,
+        texels: &[TexelFormat],
         recipe: &Recipe,
-        then: impl FnOnce(&Store<'_>, &Surface<'_>) -> T,
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
     ) -> T {
         let own_caster = |i: usize, tap: usize, t: u32| {
             let caster = match recipe.moves_receiver() {
@@ -107,11 +104,12 @@ impl Chart<'_, '_> {
             (caster, 0.0)
         };
         if recipe.moves_vertices() {
-            self.with_resolved(texel, recipe, &self.fragments_moved(recipe), then)
+            self.with_resolved(texels, recipe, &self.fragments_moved(recipe), then)
         } else if recipe.changes_map() {
-            self.with_resolved(texel, recipe, &self.fragments, then)
+            self.with_resolved(texels, recipe, &self.fragments, then)
         } else {
-            then(&self.own_store(texel), &own_caster)
+            let stores: Vec<Store<'_>> = texels.iter().map(|&t| self.own_store(t)).collect();
+            then(&stores, &own_caster)
         }
     }
 
@@ -144,7 +142,6 @@ impl Chart<'_, '_> {
         surface: &Surface<'_>,
     ) -> Vec<(u32, Looks)> {
         let case = self.field.case();
-        let fixed = shadow::fixed_coordinates(self.device(), store.format());
         let moves = self.moves(recipe, &self.all());
         let mut footprint = Footprint::default();
         let mut one = |(i, sample): (usize, &Sample)| {
@@ -152,7 +149,13 @@ impl Chart<'_, '_> {
                 let wanted = reading == Reading::All || !sample.lit;
                 return wanted.then(|| (i as u32, unlooked(sample)));
             };
-            footprint.place(self.filter, case.lookup.wrap, self.size, fixed, [coord[0], coord[1]]);
+            footprint.place(
+                self.filter,
+                case.lookup.wrap,
+                self.size,
+                self.fixed,
+                [coord[0], coord[1]],
+            );
             let at = Glance { sample, coord, footprint: &footprint };
             let caster = |tap: usize, texel: u32| surface(i, tap, texel);
             let mut looks = self.look(store, recipe, reading, &at, &caster)?;
@@ -214,13 +217,15 @@ impl Chart<'_, '_> {
     /// Casters under another offset, culling or layer: resolved from the fragments of each texel.
     fn with_resolved<T>(
         &self,
-        texel: TexelFormat,
+        texels: &[TexelFormat],
         recipe: &Recipe,
         fragments: &Fragments,
-        then: impl FnOnce(&Store<'_>, &Surface<'_>) -> T,
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
     ) -> T {
-        let spec = self.spec(texel);
-        let attachment = match texel {
+        let spec = self.spec(texels[0]);
+        let depth_texture = matches!(texels[0], TexelFormat::Depth(_));
+        assert!(texels.len() == 1 || !depth_texture, "depth textures are their own attachments");
+        let attachment = match texels[0] {
             TexelFormat::Depth(format) => format,
             TexelFormat::Packed(_) if spec.depth_buffer == DepthBuffer::Unorm16 => {
                 DepthFormat::Unorm16
@@ -267,9 +272,10 @@ impl Chart<'_, '_> {
         let resolved: Vec<OnceCell<_>> = fragments.over_texels(|_| OnceCell::new());
         let at = |t: u32| *resolved[fragments.slot(t)].get_or_init(|| resolve(t));
         let drawn = |t: u32| at(t).map(|(depth, _)| depth);
-        let place = |t: u32| fragments.slot(t);
-        let store = self.other_store(texel, drawn, place, resolved.len());
-        then(&store, &|i, _, t| {
+        let store =
+            |&texel: &TexelFormat| self.other_store(texel, drawn, Some(fragments), resolved.len());
+        let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
+        then(&stores, &|i, _, t| {
             let triangle = at(t).map_or(NO_TRIANGLE, |(_, layer)| layer.triangle);
             let gained = drawn(t).unwrap_or(1.0) - self.drawn(t).unwrap_or(1.0);
             (self.caster(i, triangle, t), f64::from(gained))

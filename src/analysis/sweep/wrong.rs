@@ -35,72 +35,96 @@ struct Look<'l> {
     sample: &'l Sample,
     coord: [f32; 3],
     footprint: &'l Footprint,
-    /// Its tap bias.
-    bias: f32,
 }
 
-/// A recipe on a chart.
+/// A format on a chart, and the weights of all receivers under it.
+#[derive(Clone, Debug)]
+pub struct Formatted {
+    /// The format.
+    pub texel: TexelFormat,
+    /// In the order of the receivers.
+    pub weights: Vec<Weights>,
+}
+
+/// A recipe on a chart under one format.
 struct Verdicts<'v> {
     chart: &'v Chart<'v, 'v>,
     recipe: &'v Recipe,
     store: &'v Store<'v>,
     surface: &'v Surface<'v>,
+    weights: &'v [Weights],
 }
 
 impl Chart<'_, '_> {
-    /// The receivers of `which` that are wrong under a recipe, in that order; the same verdicts as
-    /// [`super::looks::Looks::verdict`] of [`Chart::looks`].
+    /// A format of this chart with its weights.
     #[must_use]
-    pub fn wrong(
-        &self,
-        texel: TexelFormat,
-        recipe: &Recipe,
-        weights: &[Weights],
-        which: &[u32],
-    ) -> Vec<Wrong> {
-        self.with_map(texel, recipe, |store, surface| {
-            let verdicts = Verdicts { chart: self, recipe, store, surface };
-            if recipe.moves_receiver() {
-                verdicts.moved(weights, which)
-            } else {
-                verdicts.in_place(weights, which)
+    pub fn formatted(&self, texel: TexelFormat) -> Formatted {
+        Formatted { texel, weights: self.weights(texel) }
+    }
+
+    /// The receivers of `which` that are wrong under a recipe, in that order, format by format: the same
+    /// verdicts as [`super::looks::Looks::verdict`] of [`Chart::looks`]. The formats share where receivers
+    /// look and, if the recipe changes the map, its depths before they are stored: they need the same
+    /// depth attachment then.
+    #[must_use]
+    pub fn wrong(&self, formats: &[&Formatted], recipe: &Recipe, which: &[u32]) -> Vec<Vec<Wrong>> {
+        let texels: Vec<TexelFormat> = formats.iter().map(|f| f.texel).collect();
+        self.with_maps(&texels, recipe, |stores, surface| {
+            let pairs = stores.iter().zip(formats);
+            let verdicts: Vec<Verdicts<'_>> = pairs
+                .map(|(store, format)| Verdicts {
+                    chart: self,
+                    recipe,
+                    store,
+                    surface,
+                    weights: &format.weights,
+                })
+                .collect();
+            match recipe.moves_receiver() {
+                true => self.wrong_moved(&verdicts, recipe, which),
+                false => verdicts.iter().map(|v| v.in_place(which)).collect(),
             }
         })
+    }
+
+    /// Of receivers that a recipe moves: each looks once for all formats.
+    fn wrong_moved(
+        &self,
+        verdicts: &[Verdicts<'_>],
+        recipe: &Recipe,
+        which: &[u32],
+    ) -> Vec<Vec<Wrong>> {
+        let mut found = vec![Vec::new(); verdicts.len()];
+        let wrap = self.field.case().lookup.wrap;
+        let moves = self.moves(recipe, which);
+        let mut footprint = Footprint::default();
+        for &receiver in which {
+            let i = receiver as usize;
+            let sample = &self.field.samples[i];
+            let Some(coord) = moves.coord(i) else {
+                let lost = Wrong { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
+                found.iter_mut().filter(|_| !sample.lit).for_each(|list| list.push(lost));
+                continue;
+            };
+            footprint.place(self.filter, wrap, self.size, self.fixed, [coord[0], coord[1]]);
+            let look = Look { sample, coord, footprint: &footprint };
+            for (list, under) in found.iter_mut().zip(verdicts) {
+                list.extend(under.wrong(receiver, &look, || moves.is_lit(i)));
+            }
+        }
+        found
     }
 }
 
 impl Verdicts<'_> {
     /// Of receivers that look from where they are.
-    fn in_place(&self, weights: &[Weights], which: &[u32]) -> Vec<Wrong> {
+    fn in_place(&self, which: &[u32]) -> Vec<Wrong> {
         let of = |&receiver: &u32| {
             let i = receiver as usize;
             let sample = &self.chart.field.samples[i];
-            let bias = self.recipe.tap_bias(&weights[i]);
             let footprint = &self.chart.footprints[i];
-            let look = Look { sample, coord: sample.coord, footprint, bias };
+            let look = Look { sample, coord: sample.coord, footprint };
             self.wrong(receiver, &look, || false)
-        };
-        which.iter().filter_map(of).collect()
-    }
-
-    /// Of receivers that a recipe moves.
-    fn moved(&self, weights: &[Weights], which: &[u32]) -> Vec<Wrong> {
-        let Self { chart, recipe, store, .. } = self;
-        let wrap = chart.field.case().lookup.wrap;
-        let fixed = shadow::fixed_coordinates(chart.device(), store.format());
-        let moves = chart.moves(recipe, which);
-        let mut footprint = Footprint::default();
-        let of = |&receiver: &u32| {
-            let i = receiver as usize;
-            let sample = &chart.field.samples[i];
-            let Some(coord) = moves.coord(i) else {
-                let lost = Wrong { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
-                return (!sample.lit).then_some(lost);
-            };
-            footprint.place(chart.filter, wrap, chart.size, fixed, [coord[0], coord[1]]);
-            let bias = recipe.tap_bias(&weights[i]);
-            let look = Look { sample, coord, footprint: &footprint, bias };
-            self.wrong(receiver, &look, || moves.is_lit(i))
         };
         which.iter().filter_map(of).collect()
     }
@@ -112,7 +136,8 @@ impl Verdicts<'_> {
         look: &Look<'_>,
         moved_into_light: impl Fn() -> bool,
     ) -> Option<Wrong> {
-        let Look { sample, coord, footprint, bias } = *look;
+        let Look { sample, coord, footprint } = *look;
+        let bias = self.recipe.tap_bias(&self.weights[receiver as usize]);
         let (chart, follow) = (self.chart, self.recipe.follow);
         let spec = &chart.field.case().lookup;
         if spec.range_test && !shadow::in_square(coord) {
