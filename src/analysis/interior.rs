@@ -2,7 +2,7 @@
 //! no part.
 
 use super::effort::Count;
-use super::foremost::{Foremost, Seen};
+use super::foremost::{Foremost, Points, Seen, States};
 use super::observe::{Observation, Observer, Standing};
 use crate::truth::{Faces, FirstHit};
 use glam::DVec2;
@@ -60,26 +60,60 @@ fn asked(
         matches!(o.standing, Standing::Counted | Standing::FacingAway) && in_map(o)
     };
     let points: Vec<DVec2> = list.iter().filter(eligible).map(|o| o.exact.truncate()).collect();
-    let sorted = foremost.map(|f| (f, f.sorted(&points, 1.01 * REACH)));
-    let mut objects: Vec<Option<u16>> = vec![None; points.len()];
-    let (mut answered, mut traced) = (0, 0);
+    let mut around = Around::new(foremost, &points);
     for (k, [dx, dy]) in POINTS.into_iter().enumerate() {
-        let offset = DVec2::new(dx, dy) * REACH * texel;
-        let seen = sorted.as_ref().map(|(foremost, points)| foremost.beside(points, offset));
-        for (i, object) in objects.iter_mut().enumerate() {
-            if k > 0 && object.is_none() {
-                continue;
-            }
-            let seen = seen.as_ref().map_or(Seen::Open, |seen| seen[i]);
-            answered += 1;
-            traced += u64::from(seen == Seen::Open);
-            let here = object_of(observer, seen, points[i] + offset);
-            *object = if k == 0 || here == *object { here } else { None };
+        around.ask(observer, k == 0, DVec2::new(dx, dy) * REACH * texel);
+    }
+    let mut objects = around.objects.iter();
+    let is_interior = |o: &Observation| eligible(&o) && objects.next().is_some_and(Option::is_some);
+    (list.iter().map(is_interior).collect(), [around.answered, around.traced])
+}
+
+/// Points, and the one object that was seen first from all around each of them so far.
+struct Around<'a> {
+    points: &'a [DVec2],
+    foremost: Option<(&'a Foremost, Points)>,
+    states: States,
+    objects: Vec<Option<u16>>,
+    answered: u64,
+    traced: u64,
+}
+
+impl<'a> Around<'a> {
+    fn new(foremost: Option<&'a Foremost>, points: &'a [DVec2]) -> Self {
+        Self {
+            points,
+            foremost: foremost.map(|f| (f, f.sorted(points, 1.01 * REACH))),
+            states: States::default(),
+            objects: vec![None; points.len()],
+            answered: 0,
+            traced: 0,
         }
     }
-    let mut objects = objects.into_iter();
-    let is_interior = |o: &Observation| eligible(&o) && objects.next().flatten().is_some();
-    (list.iter().map(is_interior).collect(), [answered, traced])
+
+    /// Looks from every point moved by `offset`; only the first look gives objects to those that
+    /// have none.
+    fn ask(&mut self, observer: &Observer<'_>, is_first: bool, offset: DVec2) {
+        if let Some((foremost, points)) = &self.foremost {
+            foremost.look(points, offset, &mut self.states);
+        }
+        for place in 0..self.points.len() {
+            let (index, seen) = match &self.foremost {
+                Some((foremost, points)) => {
+                    (points.index()[place] as usize, foremost.seen(&self.states, place))
+                }
+                None => (place, Seen::Open),
+            };
+            let object = &mut self.objects[index];
+            if !is_first && object.is_none() {
+                continue;
+            }
+            self.answered += 1;
+            self.traced += u64::from(seen == Seen::Open);
+            let here = object_of(observer, seen, self.points[index] + offset);
+            *object = if is_first || here == *object { here } else { None };
+        }
+    }
 }
 
 /// The object that the light sees first at a map point, by a ray where that is open.

@@ -21,5 +21,6 @@ mod observe_all;
 pub mod pareto;
 pub mod roundtrip;
 pub mod sweep;
+mod texels;
 pub mod tune;
 pub mod walk;

@@ -27,7 +27,7 @@ pub use crate::shadow::bias::PolygonOffset;
 pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
 pub use literal::draw_each;
-pub use plane::{Plane, Row, Varyings};
+pub use plane::{Interpolator, Plane, Row, Varyings};
 pub use tiles::{draw, draw_at, draw_into};
 pub use triangle::Projected;
 
