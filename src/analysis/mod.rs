@@ -4,6 +4,7 @@ pub mod adjacency;
 pub mod budget;
 pub mod captured;
 pub mod classify;
+mod counts;
 pub mod curve;
 pub mod documents;
 pub mod effort;

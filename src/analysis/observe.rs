@@ -65,7 +65,7 @@ fn float_map(subject: &Subject<'_>, effort: Effort) -> (ShadowMap, Vec<u32>) {
 
 /// A pixel's receiver and its map coordinates in the subject.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct Looking {
     pub(super) pixel: [u32; 2],
     pub(super) receiver: Receiver,
     pub(super) coord: [f32; 3],
@@ -207,21 +207,21 @@ impl<'a> Observer<'a> {
     #[must_use]
     pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {
         let (window, answer, standing) = self.witness(&receiver);
-        let seen = Seen { pixel, receiver, coord };
+        let looking = Looking { pixel, receiver, coord };
         let window = window.unwrap_or(DVec3::splat(f64::NAN));
-        self.judge(seen, window, answer, standing, || self.centre_depth(window))
+        self.judge(looking, window, answer, standing, || self.centre_depth(window))
     }
 
     /// Judges a receiver of known truth. `centre_depth` is asked where the receiver counts.
     pub(super) fn judge(
         &self,
-        seen: Seen,
+        looking: Looking,
         exact: DVec3,
         answer: Answer,
         standing: Standing,
         centre_depth: impl FnOnce() -> f64,
     ) -> Observation {
-        let Seen { pixel, receiver, coord } = seen;
+        let Looking { pixel, receiver, coord } = looking;
         let case = self.case();
         let taps = self.taps(&case.lookup, coord);
         let lit_taps = shadow::visibility(&case.lookup, coord, &taps, case.bias);

@@ -2,9 +2,9 @@
 //! texel.
 
 use super::effort::{Count, TruthBy};
-use super::foremost::{self, Foremost};
+use super::foremost::{Foremost, Seen};
 use super::observation::{Observation, Standing};
-use super::observe::{Observer, Seen, Spot};
+use super::observe::{Looking, Observer, Spot};
 use super::texels::TexelSet;
 use crate::truth::{Answer, Receiver, izb};
 use glam::{DVec2, DVec3};
@@ -37,8 +37,8 @@ impl Observer<'_> {
         });
         let all = (receivers, places, witnesses, answers);
         let judged = all.into_par_iter().map(|(receiver, (pixel, coord), w, answer)| {
-            let seen = Seen { pixel, receiver, coord };
-            self.judge(seen, w.exact, answer, w.standing, || centres.depth(self, w.exact))
+            let looking = Looking { pixel, receiver, coord };
+            self.judge(looking, w.exact, answer, w.standing, || centres.depth(self, w.exact))
         });
         (judged.collect(), work)
     }
@@ -111,20 +111,26 @@ impl Observer<'_> {
         let foremost = Foremost::new(self, self.drawn_faces);
         let size = f64::from(self.case().map.size);
         let centre = |&[x, y]: &[u32; 2]| (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
-        let chunk = |texels: &[[u32; 2]]| {
-            let points: Vec<DVec2> = texels.iter().map(centre).collect();
-            let seen = foremost.at(&points);
-            let rays = seen.iter().filter(|s| **s == foremost::Seen::Open).count() as u64;
-            let depth = |(seen, uv): (foremost::Seen, DVec2)| match seen {
-                foremost::Seen::Nothing => f64::INFINITY,
-                foremost::Seen::First(triangle) => self.depth_of(triangle, uv),
-                foremost::Seen::Open => self.depth_at(uv),
-            };
-            (seen.into_iter().zip(points).map(depth).collect::<Vec<_>>(), rays)
+        let centres: Vec<DVec2> = texels.par_iter().map(centre).collect();
+        let depth = |seen: Seen, uv: DVec2| match seen {
+            Seen::Nothing => f64::INFINITY,
+            Seen::First(triangle) => self.depth_of(triangle, uv),
+            Seen::Open => self.depth_at(uv),
         };
-        let found: Vec<_> = texels.par_chunks(foremost.chunk()).map(chunk).collect();
-        let rays = found.iter().map(|(_, rays)| rays).sum();
-        (found.into_iter().flat_map(|(depths, _)| depths).collect(), rays)
+        let found = foremost.by_block(&centres, 0.0, |block, states| {
+            foremost.look(block, DVec2::ZERO, states);
+            let seen = (0..block.index().len()).map(|place| foremost.seen(states, place));
+            let one = |(seen, &index): (Seen, &u32)| {
+                (index, depth(seen, centres[index as usize]), u64::from(seen == Seen::Open))
+            };
+            seen.zip(block.index()).map(one).collect::<Vec<_>>()
+        });
+        let (mut depths, mut rays) = (vec![0.0; centres.len()], 0);
+        for (index, depth, traced) in found.into_iter().flatten() {
+            depths[index as usize] = depth;
+            rays += traced;
+        }
+        (depths, rays)
     }
 }
 

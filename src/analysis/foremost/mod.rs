@@ -15,16 +15,19 @@
 //! between their corners' depths, and open every point of their box that they may be first at.
 //! A part before the near plane is clipped away (with a margin, inside of which points are open).
 
+mod blocks;
 mod flat;
 mod points;
 
 use super::observe::Observer;
 use crate::simd::Level;
 use crate::truth::Faces;
+use blocks::Blocks;
 use flat::Flat;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use points::Look;
 pub use points::{Points, States};
+use rayon::prelude::*;
 
 /// Distance from an outline, in texels, within which nothing is certain.
 const SIDEWAYS: f64 = 1e-6;
@@ -65,7 +68,6 @@ impl Foremost {
     /// Sets up the triangles of which `faces` are seen.
     #[must_use]
     pub fn new(observer: &Observer<'_>, faces: Faces) -> Self {
-        use rayon::prelude::*;
         let size = f64::from(observer.case().map.size);
         let geometry = &observer.geometry;
         let ids = 0..geometry.triangles.len() as u32;
@@ -79,31 +81,34 @@ impl Foremost {
     /// What the light sees at each of `points` (map coordinates).
     #[must_use]
     pub fn at(&self, points: &[DVec2]) -> Vec<Seen> {
-        let points = self.sorted(points, 0.0);
-        let mut states = States::default();
-        self.look(&points, DVec2::ZERO, &mut states);
-        let mut seen = vec![Seen::Open; points.index().len()];
-        for (place, &index) in points.index().iter().enumerate() {
-            seen[index as usize] = self.seen(&states, place);
-        }
+        let found = self.by_block(points, 0.0, |block, states| {
+            self.look(block, DVec2::ZERO, states);
+            let seen = |(place, &index): (usize, &u32)| (index, self.seen(states, place));
+            block.index().iter().enumerate().map(seen).collect::<Vec<_>>()
+        });
+        let mut seen = vec![Seen::Open; points.len()];
+        found.into_iter().flatten().for_each(|(index, here)| seen[index as usize] = here);
         seen
     }
 
-    /// Points (map coordinates) sorted for any number of looks at most `reach` texels beside them.
-    #[must_use]
-    pub fn sorted(&self, points: &[DVec2], reach: f64) -> Points {
-        let texels: Vec<DVec2> = points.iter().map(|p| *p * self.size).collect();
-        let mut points = Points::new(&texels);
-        let (low, high) = (points.low - reach - SIDEWAYS, points.high + reach + SIDEWAYS);
-        let near = |f: &&Flat| !(f.high.cmplt(low).any() || f.low.cmpgt(high).any());
-        points.flats = self.flats.iter().filter(near).copied().collect();
-        points
+    /// Does a job on all points (map coordinates), block by block of the map, on all threads. Looks
+    /// may go `reach` texels beside the points.
+    pub fn by_block<R: Send>(
+        &self,
+        points: &[DVec2],
+        reach: f64,
+        job: impl Fn(&Points, &mut States) -> R + Sync,
+    ) -> Vec<R> {
+        let blocks = Blocks::new(points, self.size, &self.flats, reach);
+        let one = |states: &mut States, k: usize| job(&blocks.points(k, points), states);
+        (0..blocks.count()).into_par_iter().map_init(States::default, one).collect()
     }
 
     /// Looks from each point moved by `offset` (map coordinates), which is within their reach.
     pub fn look(&self, points: &Points, offset: DVec2, states: &mut States) {
         states.clear(points.index().len());
-        Level::best().run(Look { points, offset: offset * self.size, states });
+        let offset = offset * self.size;
+        Level::best().run(Look { flats: &self.flats, points, offset, states });
     }
 
     /// What the light sees at the point at `place` in the sorted order.
@@ -111,12 +116,6 @@ impl Foremost {
     #[must_use]
     pub fn seen(&self, states: &States, place: usize) -> Seen {
         if self.sound { states.seen(place) } else { Seen::Open }
-    }
-
-    /// Points of one call that make good use of a pass over all triangles.
-    #[must_use]
-    pub fn chunk(&self) -> usize {
-        (self.flats.len() / 2).clamp(1 << 12, 1 << 16)
     }
 }
 

@@ -12,8 +12,7 @@ use glam::DVec2;
 /// from the last one on.
 #[derive(Debug)]
 pub struct Points {
-    pub(super) low: DVec2,
-    pub(super) high: DVec2,
+    low: DVec2,
     scale: DVec2,
     cells: usize,
     /// First point of each cell, row by row; one more at the end.
@@ -23,7 +22,7 @@ pub struct Points {
     y: Vec<f64>,
     index: Vec<u32>,
     /// The triangles that come near.
-    pub(super) flats: Vec<Flat>,
+    flats: Vec<u32>,
 }
 
 /// What is known of each point of [`Points`], structure of arrays, padded as those.
@@ -38,8 +37,8 @@ pub struct States {
 }
 
 impl Points {
-    /// Sorts points (in texels).
-    pub(super) fn new(points: &[DVec2]) -> Self {
+    /// Sorts the points (in texels) of the named `members`.
+    pub(super) fn new(points: &[DVec2], members: &[u32], flats: Vec<u32>) -> Self {
         let low = points.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = points.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let cells = ((points.len() as f64 / 2.0).sqrt() as usize).clamp(1, 2048);
@@ -47,34 +46,29 @@ impl Points {
         let (n, padded) = (points.len(), points.len() + BATCH);
         let mut sorted = Self {
             low,
-            high,
             scale,
             cells,
             start: vec![0; cells * cells + 1],
             x: vec![0.0; padded],
             y: vec![0.0; padded],
             index: vec![0; n],
-            flats: Vec::new(),
+            flats,
         };
         let cell = |p: &DVec2| {
             let [x, y] = sorted.cell(*p);
             (y * cells + x) as u32
         };
         let places: Vec<u32> = points.iter().map(cell).collect();
-        places.iter().for_each(|&at| sorted.start[at as usize + 1] += 1);
-        for i in 0..cells * cells {
-            sorted.start[i + 1] += sorted.start[i];
-        }
-        let mut next = sorted.start.clone();
-        for (i, (p, at)) in points.iter().zip(places).enumerate() {
-            let place = next[at as usize] as usize;
-            (sorted.x[place], sorted.y[place], sorted.index[place]) = (p.x, p.y, i as u32);
-            next[at as usize] += 1;
+        let (start, order) = counted(&places, cells * cells);
+        sorted.start = start;
+        for (place, &i) in order.iter().enumerate() {
+            (sorted.x[place], sorted.y[place]) = points[i as usize].into();
+            sorted.index[place] = members[i as usize];
         }
         sorted
     }
 
-    /// Where each point stood before it was sorted.
+    /// Which of the caller's points each is.
     #[must_use]
     pub fn index(&self) -> &[u32] {
         &self.index
@@ -90,11 +84,28 @@ impl Points {
     }
 }
 
+/// Where each of `bins` begins, and the items in the order of their bins: a stable counting sort.
+pub(super) fn counted(bin_of: &[u32], bins: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0; bins + 1];
+    bin_of.iter().for_each(|&bin| start[bin as usize + 1] += 1);
+    for bin in 0..bins {
+        start[bin + 1] += start[bin];
+    }
+    let (mut next, mut order) = (start.clone(), vec![0; bin_of.len()]);
+    for (k, &bin) in bin_of.iter().enumerate() {
+        order[next[bin as usize] as usize] = k as u32;
+        next[bin as usize] += 1;
+    }
+    (start, order)
+}
+
 impl States {
     /// Forgets everything, for so many points.
     pub(super) fn clear(&mut self, points: usize) {
         let padded = points + BATCH;
-        (self.depth, self.other, self.id) = Default::default();
+        self.depth.clear();
+        self.other.clear();
+        self.id.clear();
         self.depth.resize(padded, f64::INFINITY);
         self.other.resize(padded, f64::INFINITY);
         self.id.resize(padded, u32::MAX);
@@ -115,6 +126,7 @@ impl States {
 
 /// A pass of triangles over points that are moved by `offset` texels.
 pub(super) struct Look<'a> {
+    pub(super) flats: &'a [Flat],
     pub(super) points: &'a Points,
     pub(super) offset: DVec2,
     pub(super) states: &'a mut States,
@@ -125,8 +137,9 @@ impl Kernel for Look<'_> {
 
     #[inline(always)]
     fn run(self, _: bool) {
-        let Self { points, offset, states } = self;
-        for flat in &points.flats {
+        let Self { flats, points, offset, states } = self;
+        for &k in &points.flats {
+            let flat = &flats[k as usize];
             let [x0, y0] = points.cell(flat.low - offset);
             let [x1, y1] = points.cell(flat.high - offset);
             for y in y0..=y1 {
