@@ -18,6 +18,7 @@ pub mod probe;
 mod test;
 mod tile;
 mod tiles;
+mod tiny;
 mod triangle;
 
 use crate::depth::DepthFormat;
