@@ -29,7 +29,7 @@ pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
 pub use literal::draw_each;
 pub use plane::{Interpolator, Plane, Row, Varyings};
-pub use tiles::{draw, draw_at, draw_into};
+pub use tiles::{draw, draw_at, draw_into, quickest};
 pub use triangle::Projected;
 
 /// No triangle covers the texel.
