@@ -43,6 +43,20 @@ impl Observer<'_> {
         (judged.collect(), work)
     }
 
+    /// Every receiver that counts under every `step`-th pixel, with its exact window coordinates and its
+    /// truth.
+    pub(super) fn counted(&self, step: u32) -> Vec<(Looking, DVec3, Answer)> {
+        let (receivers, places) = self.seen(step);
+        let (answers, _) = self.answers(&receivers);
+        let all = (receivers, places, answers);
+        let counted = all.into_par_iter().filter_map(|(receiver, (pixel, coord), answer)| {
+            let witness = self.witnessed(&receiver, &answer);
+            let looking = Looking { pixel, receiver, coord };
+            (witness.standing == Standing::Counted).then_some((looking, witness.exact, answer))
+        });
+        counted.collect()
+    }
+
     /// The receivers under every `step`-th pixel.
     fn seen(&self, step: u32) -> (Vec<Receiver>, Vec<Place>) {
         let [width, height] = self.subject.canvas.size;

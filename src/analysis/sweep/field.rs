@@ -2,7 +2,7 @@
 
 use super::moves::{self, Moves};
 use crate::analysis::classify::StoredCaster;
-use crate::analysis::observe::{Observer, Standing};
+use crate::analysis::observe::{Looking, Observer, Standing};
 use crate::scene::Case;
 use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
@@ -59,13 +59,8 @@ impl<'a> Field<'a> {
     /// The counted receivers at every `step`-th pixel of a case that is drawn already.
     #[must_use]
     pub fn over(observer: Arc<Observer<'a>>, step: u32) -> Self {
-        let [width, height] = observer.case().canvas;
-        let rows: Vec<u32> = (0..height).step_by(step as usize).collect();
-        let row = |y: u32| {
-            let pixel = |x: u32| sample(&observer, [x, y]);
-            (0..width).step_by(step as usize).filter_map(pixel).collect::<Vec<_>>()
-        };
-        let samples: Vec<Sample> = rows.into_par_iter().map(row).collect::<Vec<_>>().concat();
+        let sample = |(looking, exact, answer)| judged(&observer, looking, exact, answer);
+        let samples = observer.counted(step).into_par_iter().map(sample).collect();
         Self::of(observer, samples)
     }
 
@@ -76,7 +71,11 @@ impl<'a> Field<'a> {
         let of = |(i, receiver): (usize, &Receiver)| {
             let window =
                 case.light.window_from_world(&observer.clip_from_world, receiver.position)?;
-            judged(&observer, [i as u32, 0], *receiver, window.as_vec3().to_array())
+            let coord = window.as_vec3().to_array();
+            let looking = Looking { pixel: [i as u32, 0], receiver: *receiver, coord };
+            let (window, answer, standing) = observer.witness(receiver);
+            let exact = window.filter(|_| standing == Standing::Counted)?;
+            Some(judged(&observer, looking, exact, answer))
         };
         let samples = receivers.par_iter().enumerate().filter_map(of).collect();
         Self::of(Arc::new(observer), samples)
@@ -153,19 +152,9 @@ impl<'a> Field<'a> {
     }
 }
 
-fn sample(observer: &Observer<'_>, pixel: [u32; 2]) -> Option<Sample> {
-    let (receiver, coord) = observer.receiver(pixel[0], pixel[1])?;
-    judged(observer, pixel, receiver, coord)
-}
-
-fn judged(
-    observer: &Observer<'_>,
-    pixel: [u32; 2],
-    receiver: Receiver,
-    coord: [f32; 3],
-) -> Option<Sample> {
-    let (window, answer, standing) = observer.witness(&receiver);
-    let exact = window.filter(|_| standing == Standing::Counted)?;
+/// A receiver that counts, of known truth.
+fn judged(observer: &Observer<'_>, looking: Looking, exact: DVec3, answer: Answer) -> Sample {
+    let Looking { pixel, receiver, coord } = looking;
     let lit = answer.truth == Truth::Lit;
     let case = observer.case();
     let area_normal = observer.geometry.area_normal(receiver.triangle);
@@ -189,7 +178,7 @@ fn judged(
     if !lit {
         sample.inside = inside(observer, &sample);
     }
-    Some(sample)
+    sample
 }
 
 /// Window depth of the plane through `p` per unit of u and v: the plane in clip space is the
