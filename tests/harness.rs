@@ -118,6 +118,28 @@ fn an_interrupt_exits_130_and_leaves_earlier_files() {
     assert_eq!(std::fs::read(out.path().join("manifest.json")).unwrap(), before);
 }
 
+/// R47: every binary that writes a folder holds it from before its work.
+#[test]
+fn a_held_folder_is_refused_at_once_by_every_binary() {
+    let out = tempfile::tempdir().unwrap();
+    let _held = gnomon::output::Lock::hold(out.path()).unwrap();
+    for binary in [
+        env!("CARGO_BIN_EXE_gnomon-report"),
+        env!("CARGO_BIN_EXE_gnomon-roundtrip"),
+        env!("CARGO_BIN_EXE_gnomon-formats"),
+        env!("CARGO_BIN_EXE_gnomon-sweep"),
+        env!("CARGO_BIN_EXE_gnomon-tune"),
+        env!("CARGO_BIN_EXE_gnomon-stress"),
+        env!("CARGO_BIN_EXE_gnomon-pareto"),
+    ] {
+        let mut command = Command::new(binary);
+        let start = std::time::Instant::now();
+        let output = command.args(["--quick", "--out"]).arg(out.path()).output().unwrap();
+        refused(&output, &[&format!("locked by pid {}", std::process::id())]);
+        assert!(start.elapsed() < std::time::Duration::from_secs(2), "{binary}");
+    }
+}
+
 /// A folder with one file of that text, and the file's path.
 fn device_file(text: &str) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
