@@ -98,6 +98,25 @@ fn threads_and_json_change_no_published_byte() {
     assert_eq!(verified.status.code(), Some(1), "{}", text(&verified.stderr));
 }
 
+/// R50: with a terminal (which `script` provides) there is a progress bar, and the same files.
+#[cfg(unix)]
+#[test]
+fn a_terminal_changes_no_published_byte() {
+    let out = tempfile::tempdir().unwrap();
+    let manifest = |name: &str| std::fs::read(out.path().join(name).join("manifest.json")).unwrap();
+    let folder = |name: &str| out.path().join(name).display().to_string();
+    assert!(report(&QUICK).args(["--out", &folder("pipe")]).output().unwrap().status.success());
+    let binary = env!("CARGO_BIN_EXE_gnomon-report");
+    let command = format!("{binary} {} --out {}", QUICK.join(" "), folder("terminal"));
+    let mut script = Command::new("script");
+    let script = script.args(["--quiet", "--return", "--command", &command, "/dev/null"]);
+    let output = script.stdin(Stdio::null()).output().expect("util-linux has script");
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("measuring ["), "a bar is shown: {said}");
+    assert_eq!(manifest("terminal"), manifest("pipe"));
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_exits_130_and_leaves_earlier_files() {
