@@ -198,6 +198,17 @@ impl<'a> Observer<'a> {
         (window, answer, standing)
     }
 
+    /// Whether a receiver is certainly shadowed. `guess` is a triangle that may well block it, and
+    /// becomes one that does.
+    pub(super) fn is_shadowed(&self, receiver: &Receiver, guess: &mut u32) -> bool {
+        let light_end = self.light_end(receiver.position);
+        if let Some(blocker) = self.tracer.blocker(receiver, light_end, *guess) {
+            *guess = blocker;
+            return true;
+        }
+        matches!(self.tracer.truth(receiver, light_end).truth, Truth::Shadowed(_))
+    }
+
     /// Judges a receiver whose subject coordinates are given.
     #[must_use]
     pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {

@@ -246,13 +246,15 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     let weights = chart.weights(format);
     let rule = field.case().lookup.compare;
     let mut tally = Tally::default();
-    for (i, mut looks) in there.wrong(format, &casters, &weights, &there.all()) {
-        let sample = &chart.field.samples[i as usize];
-        if recipe.moves_receiver() && !sample.lit {
-            let offset = recipe.receiver_offset(&chart.sites()[i as usize]);
+    for (i, mut looks) in there.looks(format, &casters).into_iter().enumerate() {
+        let sample = &chart.field.samples[i];
+        let bias = recipe.tap_bias(&weights[i]);
+        let wrong = looks.verdict(rule, bias).0.is_some();
+        if recipe.moves_receiver() && !sample.lit && wrong {
+            let offset = recipe.receiver_offset(&chart.sites()[i]);
             looks.moved_into_light = chart.field.is_lit_from(sample, offset);
         }
-        looks.tally(rule, recipe.tap_bias(&weights[i as usize]), &mut tally);
+        looks.tally(rule, bias, &mut tally);
     }
     tally
 }

@@ -47,6 +47,18 @@ impl Footprint {
         &self.taps
     }
 
+    /// The tap in the middle, or the heaviest where shares differ.
+    #[must_use]
+    pub fn centre(&self) -> usize {
+        let heaviest = |best: usize, i: usize| {
+            if self.taps[i].weight > self.taps[best].weight { i } else { best }
+        };
+        match self.weighted {
+            true => (0..self.taps.len()).fold(0, heaviest),
+            false => self.taps.len() / 2,
+        }
+    }
+
     /// Places the taps of `filter` at (u, v) of a map of `size`² texels; `fixed` as in
     /// [`sampler::nearest_texel`].
     pub fn place(&mut self, filter: Filter, wrap: Wrap, size: u32, fixed: bool, uv: [f32; 2]) {

@@ -157,6 +157,33 @@ impl Tracer {
         }
     }
 
+    /// Any triangle that blocks `receiver` with its inside, which alone makes its truth
+    /// [`Truth::Shadowed`]; `guess`, a triangle that occludes in this tracer or the receiver's own, is
+    /// asked first. `None` says nothing: edges may still close up.
+    #[must_use]
+    pub fn blocker(&self, receiver: &Receiver, light_end: DVec3, guess: u32) -> Option<u32> {
+        let segment = self.segment(receiver.position, light_end);
+        let blocks = |id: u32| {
+            let meeting = || segment.meet(id, &self.corners[id as usize]);
+            id != receiver.triangle
+                && matches!(meeting(), Meeting::Contact(contact) if contact.is_inside())
+        };
+        if segment.is_void() || blocks(guess) {
+            return (!segment.is_void()).then_some(guess);
+        }
+        let Some(bvh) = &self.bvh else {
+            return self.leaves.iter().map(|leaf| leaf.id).find(|&id| blocks(id));
+        };
+        let (from, to) = segment.clamped(|p| self.box_space(p))?;
+        let ray = Ray::new(from.as_vec3a(), (to - from).as_vec3a(), 0.0, 1.0);
+        let mut found = None;
+        bvh.ray_traverse_miss(ray, |_, k| {
+            found = Some(self.leaves[k].id).filter(|&id| blocks(id));
+            if found.is_some() { f32::NEG_INFINITY } else { f32::INFINITY }
+        });
+        found
+    }
+
     fn segment(&self, from: DVec3, to: DVec3) -> Segment {
         Segment::of_scene(from, to, self.extent)
     }

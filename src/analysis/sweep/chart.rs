@@ -67,6 +67,8 @@ pub struct Chart<'f, 'a> {
     /// Texels read.
     pub filter: Filter,
     pub(in crate::analysis) attachment: Attachment,
+    /// Whether coordinates are fixed-point before the texel is chosen.
+    pub(super) fixed: bool,
     pub(super) raster: Raster,
     pub(super) fragments: Fragments,
     pub(super) footprints: Vec<Footprint>,
@@ -115,6 +117,7 @@ impl<'f, 'a> Chart<'f, 'a> {
             size,
             filter,
             attachment,
+            fixed,
             raster,
             fragments,
             footprints,
@@ -155,54 +158,19 @@ impl<'f, 'a> Chart<'f, 'a> {
     /// All comparisons of all receivers under a format and a recipe.
     #[must_use]
     pub fn looks(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<Looks> {
-        let all = self.all();
-        self.read(texel, recipe, Reading::All, &all).into_iter().map(|(_, looks)| looks).collect()
+        self.read(texel, recipe, Reading::All).into_iter().map(|(_, looks)| looks).collect()
     }
 
     /// The comparisons of those receivers that can be wrong at some tap bias ≥ 0.
     #[must_use]
     pub fn breakable(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<(u32, Looks)> {
-        self.read(texel, recipe, Reading::Breakable, &self.all())
-    }
-
-    /// The comparisons of those receivers of `which` that are wrong at the recipe's own tap bias; taps
-    /// that are right have no caster looked up and read as *own*.
-    #[must_use]
-    pub fn wrong(
-        &self,
-        texel: TexelFormat,
-        recipe: &Recipe,
-        weights: &[Weights],
-        which: &[u32],
-    ) -> Vec<(u32, Looks)> {
-        self.read(texel, recipe, Reading::Wrong(weights), which)
+        self.read(texel, recipe, Reading::Breakable)
     }
 
     /// The indices of all receivers.
     #[must_use]
     pub fn all(&self) -> Vec<u32> {
         (0..self.field.samples.len() as u32).collect()
-    }
-
-    fn read(
-        &self,
-        texel: TexelFormat,
-        recipe: &Recipe,
-        reading: Reading<'_>,
-        which: &[u32],
-    ) -> Vec<(u32, Looks)> {
-        if recipe.moves_vertices() {
-            let fragments = self.fragments_moved(recipe);
-            self.looks_resolved(texel, recipe, reading, &fragments, which)
-        } else if recipe.changes_map() {
-            self.looks_resolved(texel, recipe, reading, &self.fragments, which)
-        } else if recipe.moves_receiver() {
-            self.looks_moved(texel, recipe, reading, which)
-        } else {
-            let casters = &self.casters;
-            let store = self.own_store(texel);
-            self.looks_with(&store, recipe, reading, which, &|i, tap, _| (casters[i][tap], 0.0))
-        }
     }
 
     pub(super) fn drawn(&self, texel: u32) -> Option<f32> {

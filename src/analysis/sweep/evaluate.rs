@@ -1,6 +1,6 @@
 //! One strategy along its parameter: exact from breakpoints, or evaluated value by value.
 
-use super::chart::Chart;
+use super::chart::{Attachment, Chart};
 use super::looks::{self, Looks};
 use super::tally::{Curve, Kind, Tally};
 use super::values;
@@ -68,6 +68,9 @@ pub struct Question<'q> {
 }
 
 /// Sweeps a strategy on a chart.
+///
+/// # Panics
+/// Never: one format gives one sweep.
 #[must_use]
 pub fn sweep(
     chart: &Chart<'_, '_>,
@@ -75,9 +78,20 @@ pub fn sweep(
     strategy: Strategy,
     question: &Question<'_>,
 ) -> Swept {
+    sweep_formats(chart, &[format], strategy, question).pop().expect("one format gives one sweep")
+}
+
+/// Sweeps a strategy on a chart in several of its formats, in no order; they share what they can.
+#[must_use]
+pub fn sweep_formats(
+    chart: &Chart<'_, '_>,
+    formats: &[TexelFormat],
+    strategy: Strategy,
+    question: &Question<'_>,
+) -> Vec<Swept> {
     let populations = chart.field.populations;
-    let limit = (question.max_acne * populations[0] as f64) as i64;
-    let base = Swept {
+    let (amounts, limit) = (question.amounts, (question.max_acne * populations[0] as f64) as i64);
+    let base = |&format: &TexelFormat| Swept {
         strategy,
         format,
         filter: chart.filter,
@@ -88,9 +102,13 @@ pub fn sweep(
         detachment: None,
         populations,
     };
+    let bases = formats.iter().map(base);
     match strategy.family() {
-        Family::Tap => by_breakpoints(chart, base, question.amounts, limit),
-        _ => values::by_values(chart, base, question.amounts, limit),
+        Family::Tap => bases.map(|s| by_breakpoints(chart, s, amounts, limit)).collect(),
+        Family::Map | Family::Vertex if chart.attachment == Attachment::Depth => {
+            bases.flat_map(|s| values::by_values(chart, vec![s], amounts, limit)).collect()
+        }
+        _ => values::by_values(chart, bases.collect(), amounts, limit),
     }
 }
 

@@ -142,7 +142,14 @@ impl<'a> Field<'a> {
     pub fn is_lit_from(&self, sample: &Sample, offset: DVec3) -> bool {
         let position = sample.receiver.position + offset;
         let moved = Receiver { position, triangle: sample.receiver.triangle };
-        self.observer.witness(&moved).1.truth == Truth::Lit
+        let light_end = self.observer.light_end(position);
+        let tracer = &self.observer.tracer;
+        let guess = match sample.answer.truth {
+            Truth::Shadowed(by) => by.occluder,
+            Truth::Lit | Truth::Ambiguous => sample.receiver.triangle,
+        };
+        tracer.blocker(&moved, light_end, guess).is_none()
+            && tracer.truth(&moved, light_end).truth == Truth::Lit
     }
 }
 
@@ -209,10 +216,11 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
         return 0.0;
     }
     let step = STEP * light.texel_world(observer.case().map.size, light.axial_distance(p));
-    let shadowed = |s: f64| {
+    let mut blocker = sample.receiver.triangle;
+    let mut shadowed = |s: f64| {
         let position = p + along * (s / size);
         let receiver = Receiver { position, triangle: sample.receiver.triangle };
-        matches!(observer.witness(&receiver).1.truth, Truth::Shadowed(_))
+        observer.is_shadowed(&receiver, &mut blocker)
     };
     let Some(first) = (1..=STEPS).find(|&i| !shadowed(f64::from(i) * step)) else {
         return f64::from(STEPS) * step;

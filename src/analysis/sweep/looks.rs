@@ -40,15 +40,17 @@ pub struct Looks {
     pub moved_into_light: bool,
 }
 
-fn shadow_kind(look: &Look) -> Kind {
-    match classify::false_shadow(look.caster, look.sound) {
+/// The kind of a false shadow by a tap that holds `caster`.
+pub(super) fn shadow_kind(caster: StoredCaster, sound: bool) -> Kind {
+    match classify::false_shadow(caster, sound) {
         Artifact::Acne => Kind::Acne,
         Artifact::EncodingFault => Kind::EncodingFault,
         _ => Kind::EdgeShadow,
     }
 }
 
-fn light_kind(caster: StoredCaster, hidden: bool) -> Kind {
+/// The kind of a false light; `hidden` where the bias alone loses the occluder.
+pub(super) fn light_kind(caster: StoredCaster, hidden: bool) -> Kind {
     match classify::false_light(caster, hidden) {
         Artifact::PeterPanning => Kind::PeterPanning,
         Artifact::EdgeAliasing => Kind::EdgeLight,
@@ -69,7 +71,11 @@ impl Looks {
             return (lost.then_some(Kind::LightLeak), if lost { SHARE as i64 } else { 0 });
         };
         let hidden = self.moved_into_light || f64::from(bias) + look.gained >= self.gap;
-        let kind = if self.lit { shadow_kind(look) } else { light_kind(look.caster, hidden) };
+        let kind = if self.lit {
+            shadow_kind(look.caster, look.sound)
+        } else {
+            light_kind(look.caster, hidden)
+        };
         (Some(kind), weight)
     }
 
@@ -120,9 +126,10 @@ impl Looks {
     /// tap in order that is still dark.
     fn darkness(&self, breakpoints: &[f32], curve: &mut Curve) {
         let mut until = breakpoints[self.centre];
-        curve.count(shadow_kind(&self.taps[self.centre]), f32::NEG_INFINITY, until);
+        let dark = |look: &Look| shadow_kind(look.caster, look.sound);
+        curve.count(dark(&self.taps[self.centre]), f32::NEG_INFINITY, until);
         for (look, &b) in self.taps.iter().zip(breakpoints) {
-            curve.count(shadow_kind(look), until, b);
+            curve.count(dark(look), until, b);
             until = until.max(b);
         }
     }

@@ -17,6 +17,7 @@ pub mod tally;
 mod theory;
 mod values;
 mod verdicts;
+pub mod wrong;
 
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Family, Strategy};
@@ -123,21 +124,23 @@ fn sweep_size(
         Some(Chart::new(field, size, filter, attachment))
     };
     let [depth, colour] = [Attachment::Depth, Attachment::Colour].map(chart);
-    let chart_of = |format: TexelFormat| match Attachment::of(format) {
-        Attachment::Depth => depth.as_ref(),
-        Attachment::Colour => colour.as_ref(),
+    let on = |chart: &&Chart<'_, '_>| -> Vec<TexelFormat> {
+        plan.formats.iter().copied().filter(|&f| Attachment::of(f) == chart.attachment).collect()
     };
-    let pairs: Vec<(TexelFormat, Strategy)> = plan
-        .formats
-        .iter()
-        .flat_map(|&format| plan.strategies.iter().map(move |&strategy| (format, strategy)))
-        .collect();
-    let one = |&(format, strategy): &(TexelFormat, Strategy)| {
+    let charts: Vec<_> = [&depth, &colour].into_iter().flatten().map(|c| (c, on(&c))).collect();
+    let of = |&strategy: &Strategy| {
         let amounts = amounts(strategy, &plan.bias, world_per_window);
         let question = Question { amounts: &amounts, max_acne: plan.max_acne };
-        Some(sweep(chart_of(format)?, format, strategy, &question))
+        let all = |(chart, formats): &(&Chart<'_, '_>, Vec<TexelFormat>)| {
+            evaluate::sweep_formats(chart, formats, strategy, &question)
+        };
+        charts.par_iter().flat_map(all).collect::<Vec<_>>()
     };
-    pairs.par_iter().filter_map(one).collect()
+    let mut swept: Vec<Swept> = plan.strategies.par_iter().flat_map(of).collect();
+    let format = |s: &Swept| plan.formats.iter().position(|&f| f == s.format);
+    let strategy = |s: &Swept| plan.strategies.iter().position(|&t| t == s.strategy);
+    swept.sort_by_key(|s| (format(s), strategy(s)));
+    swept
 }
 
 /// Sweeps one case along all axes of a plan, whatever the plan's own cases are.

@@ -41,21 +41,43 @@ impl Moves {
     }
 }
 
-impl Moved {
-    /// Whether the move alone lights receiver `i`; `ask` is called at most once a receiver.
-    pub(super) fn is_lit(&self, i: usize, ask: impl Fn() -> bool) -> bool {
-        match self.lit[i].load(Ordering::Relaxed) {
+/// Where receivers look after a move: found for all of them, or one by one as they are asked.
+pub(super) struct Moving<'m> {
+    chart: &'m Chart<'m, 'm>,
+    recipe: &'m Recipe,
+    known: Option<Arc<OnceLock<Moved>>>,
+}
+
+impl Moving<'_> {
+    fn known(&self) -> Option<&Moved> {
+        self.known.as_ref().and_then(|moves| moves.get())
+    }
+
+    fn offset(&self, i: usize) -> DVec3 {
+        self.recipe.receiver_offset(&self.chart.sites[i])
+    }
+
+    /// The subject's coordinates of receiver `i`; `None` behind the light.
+    pub(super) fn coord(&self, i: usize) -> Option<[f32; 3]> {
+        let field = self.chart.field;
+        match self.known() {
+            Some(known) => known.coords[i],
+            None => moved(field, &field.samples[i], self.offset(i)),
+        }
+    }
+
+    /// Whether the move alone lights receiver `i`; asked of the truth once where moves are kept.
+    pub(super) fn is_lit(&self, i: usize) -> bool {
+        let ask = || self.chart.field.is_lit_from(&self.chart.field.samples[i], self.offset(i));
+        let Some(place) = self.known().map(|known| &known.lit[i]) else { return ask() };
+        match place.load(Ordering::Relaxed) {
             0 => {
                 let lit = ask();
-                self.lit[i].store(1 + u8::from(lit), Ordering::Relaxed);
+                place.store(1 + u8::from(lit), Ordering::Relaxed);
                 lit
             }
             known => known == 2,
         }
-    }
-
-    pub(super) fn coord(&self, i: usize) -> Option<[f32; 3]> {
-        self.coords[i]
     }
 }
 
@@ -70,16 +92,21 @@ pub(super) fn moved(field: &Field<'_>, sample: &Sample, offset: DVec3) -> Option
 }
 
 impl Chart<'_, '_> {
-    /// All receivers after a recipe's move.
-    pub(super) fn moved(&self, recipe: &Recipe) -> Arc<OnceLock<Moved>> {
-        let entry = self.field.moves.of(recipe, self.size);
-        let coord = |(sample, site): (&Sample, &Site)| {
-            moved(self.field, sample, recipe.receiver_offset(site))
-        };
-        entry.get_or_init(|| Moved {
-            coords: self.field.samples.iter().zip(&self.sites).map(coord).collect(),
-            lit: self.field.samples.iter().map(|_| AtomicU8::new(0)).collect(),
+    /// The receivers of `which` after a recipe's move; kept where these are all.
+    pub(super) fn moves<'m>(&'m self, recipe: &'m Recipe, which: &[u32]) -> Moving<'m> {
+        let samples = &self.field.samples;
+        let all = which.len() == samples.len();
+        let known = all.then(|| {
+            let entry = self.field.moves.of(recipe, self.size);
+            let coord = |(sample, site): (&Sample, &Site)| {
+                moved(self.field, sample, recipe.receiver_offset(site))
+            };
+            entry.get_or_init(|| Moved {
+                coords: samples.iter().zip(&self.sites).map(coord).collect(),
+                lit: samples.iter().map(|_| AtomicU8::new(0)).collect(),
+            });
+            entry
         });
-        entry
+        Moving { chart: self, recipe, known }
     }
 }

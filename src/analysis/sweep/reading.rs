@@ -3,55 +3,35 @@
 use super::chart::{Attachment, Chart, wanted_texels};
 use super::field::{Field, Sample};
 use super::looks::{Look, Looks};
-use super::moves::moved;
 use super::store::Store;
 use super::tally::SHARE;
 use crate::analysis::classify::StoredCaster;
 use crate::depth::DepthFormat;
+use crate::device::Device;
 use crate::raster::{Fragments, Layer, NO_TRIANGLE, Resolve};
 use crate::scene::{Cull, DepthBuffer, TexelFormat};
-use crate::shadow::bias::{Follow, Layers, Recipe, Site, Weights};
+use crate::shadow::bias::{Follow, Layers, Recipe, Site};
 use crate::shadow::{self, Footprint, Texels};
 use glam::{DMat4, DVec3, DVec4, Vec4};
 use std::cell::OnceCell;
 
-/// Which receivers are read, and how much of each.
-#[derive(Clone, Copy)]
-pub(super) enum Reading<'w> {
-    /// All of every receiver.
+/// Which receivers are read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// All of them.
     All,
-    /// All of those that can be wrong at a tap bias ≥ 0: truly lit ones that are lit at 0 are left out.
+    /// Those that can be wrong at a tap bias ≥ 0: truly lit ones that are lit at 0 are left out.
     Breakable,
-    /// Those that are wrong at the recipe's own tap bias; taps that are right read as *own*.
-    Wrong(&'w [Weights]),
 }
 
-/// One receiver's look-up: where, and how much of it is read.
+/// Whose surface a tap holds, given receiver, tap and texel, and how far the bias moved it.
+pub(super) type Surface<'s> = dyn Fn(usize, usize, u32) -> (StoredCaster, f64) + 's;
+
+/// One receiver's look-up.
 struct Glance<'g> {
     sample: &'g Sample,
     coord: [f32; 3],
     footprint: &'g Footprint,
-    /// The bias at which it is left out where every tap is right.
-    unless_right_at: Option<f32>,
-    /// Whether taps that are right there have no caster looked up.
-    brief: bool,
-}
-
-impl<'g> Glance<'g> {
-    fn new(
-        reading: Reading<'_>,
-        recipe: &Recipe,
-        i: usize,
-        place: (&'g Sample, [f32; 3], &'g Footprint),
-    ) -> Self {
-        let (sample, coord, footprint) = place;
-        let (unless_right_at, brief) = match reading {
-            Reading::All => (None, false),
-            Reading::Breakable => (sample.lit.then_some(0.0), false),
-            Reading::Wrong(weights) => (Some(recipe.tap_bias(&weights[i])), true),
-        };
-        Self { sample, coord, footprint, unless_right_at, brief }
-    }
 }
 
 impl Chart<'_, '_> {
@@ -82,11 +62,10 @@ impl Chart<'_, '_> {
         };
         let casters = &self.casters;
         let texels = self.size as usize * self.size as usize;
-        let store = self.other_store(texel, drawn, |t| t as usize, texels);
-        let all = self.all();
-        let plain = Recipe::default();
-        let read = self
-            .looks_with(&store, &plain, Reading::All, &all, &|i, tap, _| (casters[i][tap], 0.0));
+        let store = self.other_store(texel, drawn, None, texels);
+        let read = self.looks_in_place(&store, &Recipe::default(), Reading::All, &|i, tap, _| {
+            (casters[i][tap], 0.0)
+        });
         let mut looks: Vec<Looks> = read.into_iter().map(|(_, looks)| looks).collect();
         for (look, sample) in looks.iter_mut().zip(&self.field.samples) {
             let z = receiver(sample);
@@ -97,39 +76,111 @@ impl Chart<'_, '_> {
         looks
     }
 
-    /// Receivers at their own places; `stored` gives whose surface tap `tap` of sample i holds and how
-    /// far the bias moved it.
-    pub(super) fn looks_with(
+    /// The comparisons of all receivers that a reading asks for, by index.
+    pub(super) fn read(
+        &self,
+        texel: TexelFormat,
+        recipe: &Recipe,
+        reading: Reading,
+    ) -> Vec<(u32, Looks)> {
+        self.with_maps(&[texel], recipe, |stores, surface| match recipe.moves_receiver() {
+            true => self.looks_moved(&stores[0], recipe, reading, surface),
+            false => self.looks_in_place(&stores[0], recipe, reading, surface),
+        })
+    }
+
+    /// What a map holds under a recipe, in each of some formats.
+    pub(super) fn with_maps<T>(
+        &self,
+        texels: &[TexelFormat],
+        recipe: &Recipe,
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
+    ) -> T {
+        let own_caster = |i: usize, tap: usize, t: u32| {
+            let caster = match recipe.moves_receiver() {
+                true => self.caster(i, self.raster.triangle[t as usize], t),
+                false => self.casters[i][tap],
+            };
+            (caster, 0.0)
+        };
+        if recipe.moves_vertices() {
+            self.with_resolved(texels, recipe, &self.fragments_moved(recipe), then)
+        } else if recipe.changes_map() {
+            self.with_resolved(texels, recipe, &self.fragments, then)
+        } else {
+            let stores: Vec<Store<'_>> = texels.iter().map(|&t| self.own_store(t)).collect();
+            then(&stores, &own_caster)
+        }
+    }
+
+    fn caster(&self, i: usize, triangle: u32, texel: u32) -> StoredCaster {
+        self.field.caster(&self.field.samples[i], triangle, texel, self.size)
+    }
+
+    fn looks_in_place(
         &self,
         store: &Store<'_>,
         recipe: &Recipe,
-        reading: Reading<'_>,
-        which: &[u32],
-        stored: &dyn Fn(usize, usize, u32) -> (StoredCaster, f64),
+        reading: Reading,
+        surface: &Surface<'_>,
     ) -> Vec<(u32, Looks)> {
-        let of = |&id: &u32| {
-            let i = id as usize;
-            let (sample, footprint) = (&self.field.samples[i], &self.footprints[i]);
-            let caster = |tap: usize, texel: u32| stored(i, tap, texel);
-            let at = Glance::new(reading, recipe, i, (sample, sample.coord, footprint));
-            Some((id, self.look(store, recipe, &at, &caster)?))
+        let of = |(i, sample): (usize, &Sample)| {
+            let at = Glance { sample, coord: sample.coord, footprint: &self.footprints[i] };
+            let caster = |tap: usize, texel: u32| surface(i, tap, texel);
+            Some((i as u32, self.look(store, recipe, reading, &at, &caster)?))
         };
-        which.iter().filter_map(of).collect()
+        self.field.samples.iter().enumerate().filter_map(of).collect()
     }
 
-    /// The comparisons of one receiver; `None` where it is right at the bias that is given.
+    /// Receivers moved in f64; the change of their exact window coordinates is added to the subject's
+    /// own with one rounding.
+    fn looks_moved(
+        &self,
+        store: &Store<'_>,
+        recipe: &Recipe,
+        reading: Reading,
+        surface: &Surface<'_>,
+    ) -> Vec<(u32, Looks)> {
+        let case = self.field.case();
+        let moves = self.moves(recipe, &self.all());
+        let mut footprint = Footprint::default();
+        let mut one = |(i, sample): (usize, &Sample)| {
+            let Some(coord) = moves.coord(i) else {
+                let wanted = reading == Reading::All || !sample.lit;
+                return wanted.then(|| (i as u32, unlooked(sample)));
+            };
+            footprint.place(
+                self.filter,
+                case.lookup.wrap,
+                self.size,
+                self.fixed,
+                [coord[0], coord[1]],
+            );
+            let at = Glance { sample, coord, footprint: &footprint };
+            let caster = |tap: usize, texel: u32| surface(i, tap, texel);
+            let mut looks = self.look(store, recipe, reading, &at, &caster)?;
+            let lit = |l: &Look| case.lookup.compare.is_lit(l.z, l.stored, 0.0);
+            looks.moved_into_light = !sample.lit && looks.taps.iter().any(lit) && moves.is_lit(i);
+            Some((i as u32, looks))
+        };
+        self.field.samples.iter().enumerate().filter_map(&mut one).collect()
+    }
+
+    /// The comparisons of one receiver; `None` where the reading leaves it out.
     fn look(
         &self,
         store: &Store<'_>,
         recipe: &Recipe,
+        reading: Reading,
         at: &Glance<'_>,
-        stored: &dyn Fn(usize, u32) -> (StoredCaster, f64),
+        surface: &dyn Fn(usize, u32) -> (StoredCaster, f64),
     ) -> Option<Looks> {
-        let Glance { sample, coord, footprint, unless_right_at, brief } = *at;
+        let Glance { sample, coord, footprint } = *at;
         let spec = &self.field.case().lookup;
         let empty = unlooked(sample);
+        let whole = reading == Reading::All || !sample.lit;
         if spec.range_test && !shadow::in_square(coord) {
-            return (unless_right_at.is_none() || !sample.lit).then_some(empty);
+            return whole.then_some(empty);
         }
         let device = self.device();
         let taps = footprint.taps();
@@ -137,109 +188,44 @@ impl Chart<'_, '_> {
         let compared = |i: usize| {
             coord[2] + recipe.follow.shift(sample.gradient, taps[i].sample, taps[i].centre)
         };
-        let right = |z: f32, depth: f32| {
-            unless_right_at.is_some_and(|b| spec.compare.is_lit(z, depth, b) == sample.lit)
-        };
+        let is_lit = |i: usize, depth: f32| spec.compare.is_lit(compared(i), depth, 0.0);
         let one = |i: usize, depth: f32, share: f64| {
-            let z = compared(i);
-            let share = (share * SHARE) as i64;
-            if brief && right(z, depth) {
-                let caster = StoredCaster::Own;
-                return Look { z, stored: depth, share, caster, sound: true, gained: 0.0 };
-            }
             let texel = taps[i].texel;
-            let (caster, gained) = stored(i, texel);
+            let (caster, gained) = surface(i, texel);
             let read = if mixed { store.depth(device, texel as usize) } else { depth };
             let sound = is_sound((store.drawn)(texel), read);
-            Look { z, stored: depth, share, caster, sound, gained }
+            let share = (share * SHARE) as i64;
+            Look { z: compared(i), stored: depth, share, caster, sound, gained }
         };
         if mixed {
             let depth = shadow::mixed_depth(store, device, footprint);
-            if recipe.follow == Follow::Receiver && right(coord[2], depth) {
+            if !whole && recipe.follow == Follow::Receiver && is_lit(0, depth) {
                 return None;
             }
-            let i = self.mixed_tap(store, sample, footprint);
-            let wrong = !right(compared(i), depth);
-            return wrong.then(|| Looks { taps: vec![one(i, depth, 1.0)], ..empty });
+            let i = mixed_tap(store, device, sample, footprint);
+            let kept = whole || !is_lit(i, depth);
+            return kept.then(|| Looks { taps: vec![one(i, depth, 1.0)], ..empty });
         }
         let depth = |tap: &shadow::Tap| store.depth(device, tap.texel as usize);
-        if (0..taps.len()).all(|i| right(compared(i), depth(&taps[i]))) {
+        if !whole && (0..taps.len()).all(|i| is_lit(i, depth(&taps[i]))) {
             return None;
         }
         let list = taps.iter().enumerate().map(|(i, tap)| one(i, depth(tap), tap.weight));
-        let heaviest = |best: usize, i: usize| {
-            if taps[i].weight > taps[best].weight { i } else { best }
-        };
-        let centre =
-            if footprint.weighted { (0..taps.len()).fold(0, heaviest) } else { taps.len() / 2 };
-        Some(Looks { taps: list.collect(), centre, ..empty })
-    }
-
-    /// The texel that decides a mix: the nearest to the light for a truly lit receiver, else the one
-    /// that NEAREST reads.
-    fn mixed_tap(&self, store: &Store<'_>, sample: &Sample, footprint: &Footprint) -> usize {
-        if !sample.lit {
-            return 0;
-        }
-        let depth = |i: usize| store.depth(self.device(), footprint.taps()[i].texel as usize);
-        let nearer = |best: usize, i: usize| if depth(i) < depth(best) { i } else { best };
-        (0..footprint.taps().len()).fold(0, nearer)
-    }
-
-    /// Receivers moved in f64; the change of their exact window coordinates is added to the subject's
-    /// own with one rounding.
-    pub(super) fn looks_moved(
-        &self,
-        texel: TexelFormat,
-        recipe: &Recipe,
-        reading: Reading<'_>,
-        which: &[u32],
-    ) -> Vec<(u32, Looks)> {
-        let case = self.field.case();
-        let store = self.own_store(texel);
-        let fixed = shadow::fixed_coordinates(self.device(), texel);
-        let mut footprint = Footprint::default();
-        let all = (which.len() == self.field.samples.len()).then(|| self.moved(recipe));
-        let known = all.as_ref().and_then(|moves| moves.get());
-        let mut one = |&id: &u32| {
-            let i = id as usize;
-            let sample = &self.field.samples[i];
-            let offset = || recipe.receiver_offset(&self.sites[i]);
-            let coord =
-                known.map_or_else(|| moved(self.field, sample, offset()), |known| known.coord(i));
-            let Some(coord) = coord else {
-                let wanted = matches!(reading, Reading::All) || !sample.lit;
-                return wanted.then(|| (id, unlooked(sample)));
-            };
-            footprint.place(self.filter, case.lookup.wrap, self.size, fixed, [coord[0], coord[1]]);
-            let caster = |_: usize, t: u32| {
-                (self.field.caster(sample, self.raster.triangle[t as usize], t, self.size), 0.0)
-            };
-            let at = Glance::new(reading, recipe, i, (sample, coord, &footprint));
-            let mut looks = self.look(&store, recipe, &at, &caster)?;
-            let rule = case.lookup.compare;
-            let bias = at.unless_right_at.unwrap_or(0.0);
-            let lit = |l: &Look| rule.is_lit(l.z, l.stored, bias);
-            if !sample.lit && looks.taps.iter().any(lit) {
-                let ask = || self.field.is_lit_from(sample, offset());
-                looks.moved_into_light = known.map_or_else(ask, |known| known.is_lit(i, ask));
-            }
-            Some((id, looks))
-        };
-        which.iter().filter_map(&mut one).collect()
+        Some(Looks { taps: list.collect(), centre: footprint.centre(), ..empty })
     }
 
     /// Casters under another offset, culling or layer: resolved from the fragments of each texel.
-    pub(super) fn looks_resolved(
+    fn with_resolved<T>(
         &self,
-        texel: TexelFormat,
+        texels: &[TexelFormat],
         recipe: &Recipe,
-        reading: Reading<'_>,
         fragments: &Fragments,
-        which: &[u32],
-    ) -> Vec<(u32, Looks)> {
-        let spec = self.spec(texel);
-        let attachment = match texel {
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
+    ) -> T {
+        let spec = self.spec(texels[0]);
+        let depth_texture = matches!(texels[0], TexelFormat::Depth(_));
+        assert!(texels.len() == 1 || !depth_texture, "depth textures are their own attachments");
+        let attachment = match texels[0] {
             TexelFormat::Depth(format) => format,
             TexelFormat::Packed(_) if spec.depth_buffer == DepthBuffer::Unorm16 => {
                 DepthFormat::Unorm16
@@ -286,19 +272,19 @@ impl Chart<'_, '_> {
         let resolved: Vec<OnceCell<_>> = fragments.over_texels(|_| OnceCell::new());
         let at = |t: u32| *resolved[fragments.slot(t)].get_or_init(|| resolve(t));
         let drawn = |t: u32| at(t).map(|(depth, _)| depth);
-        let place = |t: u32| fragments.slot(t);
-        let store = self.other_store(texel, drawn, place, resolved.len());
-        self.looks_with(&store, recipe, reading, which, &|i, _, t| {
+        let store =
+            |&texel: &TexelFormat| self.other_store(texel, drawn, Some(fragments), resolved.len());
+        let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
+        then(&stores, &|i, _, t| {
             let triangle = at(t).map_or(NO_TRIANGLE, |(_, layer)| layer.triangle);
-            let caster = self.field.caster(&self.field.samples[i], triangle, t, self.size);
             let gained = drawn(t).unwrap_or(1.0) - self.drawn(t).unwrap_or(1.0);
-            (caster, f64::from(gained))
+            (self.caster(i, triangle, t), f64::from(gained))
         })
     }
 
     /// The fragments after casters' vertices have moved in world space (f64), transformed by the f32
     /// clip matrix of the light.
-    pub(super) fn fragments_moved(&self, recipe: &Recipe) -> Fragments {
+    fn fragments_moved(&self, recipe: &Recipe) -> Fragments {
         let observer = &self.field.observer;
         let case = self.field.case();
         let device = self.device();
@@ -325,6 +311,22 @@ impl Chart<'_, '_> {
     }
 }
 
+/// The texel that decides a mix: the nearest to the light for a truly lit receiver, else the one that
+/// NEAREST reads.
+pub(super) fn mixed_tap(
+    store: &Store<'_>,
+    device: &Device,
+    sample: &Sample,
+    footprint: &Footprint,
+) -> usize {
+    if !sample.lit {
+        return 0;
+    }
+    let depth = |i: usize| store.depth(device, footprint.taps()[i].texel as usize);
+    let nearer = |best: usize, i: usize| if depth(i) < depth(best) { i } else { best };
+    (0..footprint.taps().len()).fold(0, nearer)
+}
+
 /// Unit vertex normals: the triangles' area normals summed over each vertex, zero where there are none.
 fn vertex_normals(field: &Field<'_>) -> Vec<DVec3> {
     let geometry = &field.observer.geometry;
@@ -345,6 +347,7 @@ fn unlooked(sample: &Sample) -> Looks {
     Looks { lit: sample.lit, gap: sample.gap, inside: sample.inside, ..Looks::default() }
 }
 
-fn is_sound(drawn: Option<f32>, read: f32) -> bool {
+/// Whether the depth read is the one drawn, up to two codes of 8 bits.
+pub(super) fn is_sound(drawn: Option<f32>, read: f32) -> bool {
     drawn.is_some_and(|z| (f64::from(read) - f64::from(z.clamp(0.0, 1.0))).abs() <= 2.0 / 255.0)
 }

@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use crate::device::Device;
+use crate::raster::Fragments;
 use crate::scene::{MapSpec, TexelFormat};
 use crate::shadow::{self, Texels};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -25,18 +26,19 @@ impl Decoded {
 /// Words that are 0 until written, in pages that are made when first touched: most texels of a large map
 /// are never looked up.
 #[derive(Debug)]
-struct Places(Vec<OnceLock<Box<[AtomicU32]>>>);
+struct Places(Vec<OnceLock<Box<Page>>>);
+
+const PAGE: usize = 1024;
+type Page = [AtomicU32; PAGE];
 
 impl Places {
-    const PAGE: usize = 1024;
-
     fn new(places: usize) -> Self {
-        Self((0..places.div_ceil(Self::PAGE)).map(|_| OnceLock::new()).collect())
+        Self((0..places.div_ceil(PAGE)).map(|_| OnceLock::new()).collect())
     }
 
     fn get(&self, place: usize) -> Option<&AtomicU32> {
-        let page = || (0..Self::PAGE).map(|_| AtomicU32::new(0)).collect();
-        Some(&self.0.get(place / Self::PAGE)?.get_or_init(page)[place % Self::PAGE])
+        let page = || Box::new([const { AtomicU32::new(0) }; PAGE]);
+        Some(&self.0.get(place / PAGE)?.get_or_init(page)[place % PAGE])
     }
 }
 
@@ -57,8 +59,8 @@ pub(super) struct Store<'s> {
     spec: MapSpec,
     /// What each texel was drawn with.
     pub(super) drawn: Box<dyn Fn(u32) -> Option<f32> + 's>,
-    /// Where a texel's values are remembered.
-    place: Box<dyn Fn(u32) -> usize + 's>,
+    /// Whose slots the values are remembered by; by texel where there are none.
+    slots: Option<&'s Fragments>,
     device: Device,
     decoded: Arc<Decoded>,
 }
@@ -74,30 +76,35 @@ impl Chart<'_, '_> {
             list.push((texel, new.clone()));
             new
         });
-        self.store(texel, |t| self.drawn(t), |t| t as usize, decoded)
+        self.store(texel, |t| self.drawn(t), None, decoded)
     }
 
-    /// A map drawn otherwise, whose texels have `places` places.
+    /// A map drawn otherwise, whose values have `places` places: the slots, or all its texels.
     pub(super) fn other_store<'s>(
         &self,
         texel: TexelFormat,
         drawn: impl Fn(u32) -> Option<f32> + 's,
-        place: impl Fn(u32) -> usize + 's,
+        slots: Option<&'s Fragments>,
         places: usize,
     ) -> Store<'s> {
-        self.store(texel, drawn, place, Arc::new(Decoded::new(places, texel)))
+        self.store(texel, drawn, slots, Arc::new(Decoded::new(places, texel)))
     }
 
     fn store<'s>(
         &self,
         texel: TexelFormat,
         drawn: impl Fn(u32) -> Option<f32> + 's,
-        place: impl Fn(u32) -> usize + 's,
+        slots: Option<&'s Fragments>,
         decoded: Arc<Decoded>,
     ) -> Store<'s> {
         let spec = self.spec(texel);
-        let (drawn, place) = (Box::new(drawn), Box::new(place));
-        Store { spec, drawn, place, device: *self.device(), decoded }
+        Store { spec, drawn: Box::new(drawn), slots, device: *self.device(), decoded }
+    }
+}
+
+impl Store<'_> {
+    fn place(&self, texel: u32) -> usize {
+        self.slots.map_or(texel as usize, |fragments| fragments.slot(texel))
     }
 }
 
@@ -113,14 +120,14 @@ impl Texels for Store<'_> {
     fn depth(&self, device: &Device, texel: usize) -> f32 {
         let texel = texel as u32;
         let read = || shadow::texel_depth(device, &self.spec, (self.drawn)(texel)).to_bits();
-        let place = self.decoded.depths.get((self.place)(texel)).expect("as many places as texels");
+        let place = self.decoded.depths.get(self.place(texel)).expect("as many places as texels");
         f32::from_bits(remember(place, read))
     }
 
     fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
         let texel = texel as u32;
         let read = || shadow::texel_bytes(&self.device, &self.spec, (self.drawn)(texel));
-        let place = self.decoded.bytes.get((self.place)(texel))?;
+        let place = self.decoded.bytes.get(self.place(texel))?;
         Some(remember(place, || u32::from_le_bytes(read().unwrap_or_default())).to_le_bytes())
     }
 }

@@ -4,20 +4,20 @@
 use super::chart::{Attachment, Chart};
 use super::evaluate::{Point, Swept};
 use super::tally::{Kind, Tally};
-use crate::scene::TexelFormat;
-use crate::shadow::bias::{Family, Layers, Strategy, Weights};
+use super::wrong::{Formatted, Wrong};
+use crate::shadow::bias::{Family, Layers, Strategy};
 use rayon::prelude::*;
 
 /// The literal counts at one amount, and which receivers are wrong there.
 struct Evaluated {
     point: Point,
-    wrong: Vec<(u32, Kind)>,
+    wrong: Vec<Wrong>,
 }
 
 /// The receivers that are wrong at one of two amounts in a way that counts.
 fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
-    let wrong = ends.into_iter().flat_map(|e| &e.wrong).filter(|w| counts(w.1));
-    let mut which: Vec<u32> = wrong.map(|w| w.0).collect();
+    let wrong = ends.into_iter().flat_map(|e| &e.wrong).filter(|w| counts(w.kind));
+    let mut which: Vec<u32> = wrong.map(|w| w.receiver).collect();
     which.sort_unstable();
     which.dedup();
     which
@@ -26,26 +26,25 @@ fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
 /// A strategy on a chart, to be evaluated at any amount.
 struct Literal<'c, 'f, 'a> {
     chart: &'c Chart<'f, 'a>,
-    format: TexelFormat,
+    format: Formatted,
     strategy: Strategy,
-    weights: Vec<Weights>,
-    all: Vec<u32>,
+    all: &'c [u32],
 }
 
 impl Literal<'_, '_, '_> {
     /// The counts over the receivers of `which`.
     fn at(&self, amount: f32, which: &[u32]) -> Evaluated {
-        let rule = self.chart.field.case().lookup.compare;
-        let recipe = self.strategy.with(amount);
-        let (mut tally, mut gap, mut wrong) = (Tally::default(), 0.0f64, Vec::new());
-        for (id, looks) in self.chart.wrong(self.format, &recipe, &self.weights, which) {
-            let bias = recipe.tap_bias(&self.weights[id as usize]);
-            looks.tally(rule, bias, &mut tally);
-            let Some(kind) = looks.verdict(rule, bias).0 else { continue };
-            if kind == Kind::PeterPanning {
-                gap = gap.max(looks.inside);
+        let wrong = self.chart.wrong(&[&self.format], &self.strategy.with(amount), which);
+        self.counted(amount, wrong.into_iter().flatten().collect())
+    }
+
+    fn counted(&self, amount: f32, wrong: Vec<Wrong>) -> Evaluated {
+        let (mut tally, mut gap) = (Tally::default(), 0.0f64);
+        for w in &wrong {
+            w.tally(&mut tally);
+            if w.kind == Kind::PeterPanning {
+                gap = gap.max(self.chart.field.samples[w.receiver as usize].inside);
             }
-            wrong.push((id, kind));
         }
         Evaluated { point: Point { amount, tally, gap }, wrong }
     }
@@ -57,17 +56,17 @@ impl Literal<'_, '_, '_> {
         self.strategy.family() == Family::Map
             && recipe.layers == Layers::Nearest
             && recipe.oriented == 0.0
-            && Attachment::of(self.format) == Attachment::Depth
+            && Attachment::of(self.format.texel) == Attachment::Depth
     }
 
-    /// Every amount, ascending. Where more only lights, a receiver that is right at two amounts is right
+    /// Every amount, ascending, where more only lights: a receiver that is right at two amounts is right
     /// between them, and is left out there.
     fn grid(&self, amounts: &[f32]) -> Vec<Evaluated> {
         let last = amounts.len().saturating_sub(1);
-        if !self.only_lights() || last < 2 {
-            return amounts.par_iter().map(|&a| self.at(a, &self.all)).collect();
+        if last < 2 {
+            return amounts.par_iter().map(|&a| self.at(a, self.all)).collect();
         }
-        let [first, end] = [amounts[0], amounts[last]].map(|a| self.at(a, &self.all));
+        let [first, end] = [amounts[0], amounts[last]].map(|a| self.at(a, self.all));
         let inner = self.between(&first, &end, &amounts[1..last]);
         std::iter::once(first).chain(inner).chain(std::iter::once(end)).collect()
     }
@@ -105,12 +104,12 @@ impl Literal<'_, '_, '_> {
         let ends = [below.point.amount, at.point.amount];
         let dark = wrong_at([below, at], Kind::is_shadow);
         let [_, found] = self.narrow(ends, &dark, quiet);
-        let point = self.at(found, &self.all).point;
+        let point = self.at(found, self.all).point;
         if quiet(&point.tally) {
             return point;
         }
-        let [_, found] = self.narrow(ends, &self.all, quiet);
-        self.at(found, &self.all).point
+        let [_, found] = self.narrow(ends, self.all, quiet);
+        self.at(found, self.all).point
     }
 
     /// Where the first shadow detaches: bisected on the receivers that are lit at one of the ends, then
@@ -120,27 +119,63 @@ impl Literal<'_, '_, '_> {
         let ends = [below.point.amount, at.point.amount];
         let lit = wrong_at([below, at], |kind| !kind.is_shadow());
         let [without, found] = self.narrow(ends, &lit, pans);
-        if without == ends[0] || !pans(&self.at(without, &self.all).point.tally) {
+        if without == ends[0] || !pans(&self.at(without, self.all).point.tally) {
             return found;
         }
-        self.narrow(ends, &self.all, pans)[1]
+        self.narrow(ends, self.all, pans)[1]
     }
 }
 
 /// Bisections of a threshold between two evaluated amounts: 2⁻¹⁰ of their distance.
 const BISECTIONS: u32 = 10;
 
-/// Sweeps a strategy amount by amount.
+/// Every amount, ascending, of several formats, which share all that does not depend on them; the outer
+/// list by format.
+fn shared_grid(literals: &[Literal<'_, '_, '_>], amounts: &[f32]) -> Vec<Vec<Evaluated>> {
+    let Some(Literal { chart, strategy, all, .. }) = literals.first() else { return Vec::new() };
+    let formats: Vec<&Formatted> = literals.iter().map(|l| &l.format).collect();
+    let at = |&amount: &f32| chart.wrong(&formats, &strategy.with(amount), all);
+    let mut found: Vec<_> = amounts.par_iter().map(at).collect();
+    let grid = |(k, literal): (usize, &Literal<'_, '_, '_>)| {
+        let wrong = found.iter_mut().map(|formats| std::mem::take(&mut formats[k]));
+        amounts.iter().zip(wrong).map(|(&a, wrong)| literal.counted(a, wrong)).collect()
+    };
+    literals.iter().enumerate().map(grid).collect()
+}
+
+/// Sweeps a strategy amount by amount in several formats of one chart.
 pub(super) fn by_values(
     chart: &Chart<'_, '_>,
-    mut swept: Swept,
+    swept: Vec<Swept>,
     amounts: &[f32],
     limit: i64,
+) -> Vec<Swept> {
+    let all = chart.all();
+    let literal = |s: &Swept| Literal {
+        chart,
+        format: chart.formatted(s.format),
+        strategy: s.strategy,
+        all: &all,
+    };
+    let (lighting, others): (Vec<_>, Vec<_>) =
+        swept.into_iter().map(|s| (literal(&s), s)).partition(|(l, _)| l.only_lights());
+    let (literals, bases): (Vec<_>, Vec<_>) = others.into_iter().unzip();
+    let grids = shared_grid(&literals, amounts);
+    let shared = literals.into_iter().zip(bases).zip(grids);
+    let own = lighting.into_iter().map(|(literal, base)| {
+        let grid = literal.grid(amounts);
+        ((literal, base), grid)
+    });
+    shared.chain(own).map(|((l, base), grid)| thresholds(&l, base, grid, limit)).collect()
+}
+
+/// What a grid says, its thresholds bisected.
+fn thresholds(
+    literal: &Literal<'_, '_, '_>,
+    mut swept: Swept,
+    grid: Vec<Evaluated>,
+    limit: i64,
 ) -> Swept {
-    let (strategy, format) = (swept.strategy, swept.format);
-    let weights = chart.weights(format);
-    let literal = Literal { chart, format, strategy, weights, all: chart.all() };
-    let grid = literal.grid(amounts);
     let loud = |e: &Evaluated| e.point.tally.of(Kind::Acne) > limit;
     let free = grid.iter().rposition(loud).map_or(0, |i| i + 1);
     swept.acne_free = grid.get(free).map(|at| match free {

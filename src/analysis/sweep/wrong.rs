@@ -1,0 +1,191 @@
+//! Who is wrong at one amount, and how: the literal verdicts, without keeping anybody's comparisons.
+
+use super::chart::Chart;
+use super::field::Sample;
+use super::looks::{light_kind, shadow_kind};
+use super::reading::{Surface, is_sound, mixed_tap};
+use super::store::Store;
+use super::tally::{Kind, SHARE, Tally};
+use crate::analysis::classify::StoredCaster;
+use crate::scene::TexelFormat;
+use crate::shadow::bias::{Follow, Recipe, Weights};
+use crate::shadow::{self, Footprint, Texels};
+
+/// A receiver with a wrong verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrong {
+    /// Its index.
+    pub receiver: u32,
+    /// What went wrong.
+    pub kind: Kind,
+    /// Share of its visibility that is wrong, in 2⁻⁴⁰.
+    pub share: i64,
+}
+
+impl Wrong {
+    /// Adds it to a tally.
+    pub fn tally(&self, tally: &mut Tally) {
+        tally.kinds[self.kind as usize] += 1;
+        *(if self.kind.is_shadow() { &mut tally.shadow } else { &mut tally.light }) += self.share;
+    }
+}
+
+/// One receiver under one recipe.
+struct Look<'l> {
+    sample: &'l Sample,
+    coord: [f32; 3],
+    footprint: &'l Footprint,
+}
+
+/// A format on a chart, and the weights of all receivers under it.
+#[derive(Clone, Debug)]
+pub struct Formatted {
+    /// The format.
+    pub texel: TexelFormat,
+    /// In the order of the receivers.
+    pub weights: Vec<Weights>,
+}
+
+/// A recipe on a chart under one format.
+struct Verdicts<'v> {
+    chart: &'v Chart<'v, 'v>,
+    recipe: &'v Recipe,
+    store: &'v Store<'v>,
+    surface: &'v Surface<'v>,
+    weights: &'v [Weights],
+}
+
+impl Chart<'_, '_> {
+    /// A format of this chart with its weights.
+    #[must_use]
+    pub fn formatted(&self, texel: TexelFormat) -> Formatted {
+        Formatted { texel, weights: self.weights(texel) }
+    }
+
+    /// The receivers of `which` that are wrong under a recipe, in that order, format by format: the same
+    /// verdicts as [`super::looks::Looks::verdict`] of [`Chart::looks`]. The formats share where receivers
+    /// look and, if the recipe changes the map, its depths before they are stored: they need the same
+    /// depth attachment then.
+    #[must_use]
+    pub fn wrong(&self, formats: &[&Formatted], recipe: &Recipe, which: &[u32]) -> Vec<Vec<Wrong>> {
+        let texels: Vec<TexelFormat> = formats.iter().map(|f| f.texel).collect();
+        self.with_maps(&texels, recipe, |stores, surface| {
+            let pairs = stores.iter().zip(formats);
+            let verdicts: Vec<Verdicts<'_>> = pairs
+                .map(|(store, format)| Verdicts {
+                    chart: self,
+                    recipe,
+                    store,
+                    surface,
+                    weights: &format.weights,
+                })
+                .collect();
+            match recipe.moves_receiver() {
+                true => self.wrong_moved(&verdicts, recipe, which),
+                false => verdicts.iter().map(|v| v.in_place(which)).collect(),
+            }
+        })
+    }
+
+    /// Of receivers that a recipe moves: each looks once for all formats.
+    fn wrong_moved(
+        &self,
+        verdicts: &[Verdicts<'_>],
+        recipe: &Recipe,
+        which: &[u32],
+    ) -> Vec<Vec<Wrong>> {
+        let mut found = vec![Vec::new(); verdicts.len()];
+        let wrap = self.field.case().lookup.wrap;
+        let moves = self.moves(recipe, which);
+        let mut footprint = Footprint::default();
+        for &receiver in which {
+            let i = receiver as usize;
+            let sample = &self.field.samples[i];
+            let Some(coord) = moves.coord(i) else {
+                let lost = Wrong { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
+                found.iter_mut().filter(|_| !sample.lit).for_each(|list| list.push(lost));
+                continue;
+            };
+            footprint.place(self.filter, wrap, self.size, self.fixed, [coord[0], coord[1]]);
+            let look = Look { sample, coord, footprint: &footprint };
+            for (list, under) in found.iter_mut().zip(verdicts) {
+                list.extend(under.wrong(receiver, &look, || moves.is_lit(i)));
+            }
+        }
+        found
+    }
+}
+
+impl Verdicts<'_> {
+    /// Of receivers that look from where they are.
+    fn in_place(&self, which: &[u32]) -> Vec<Wrong> {
+        let of = |&receiver: &u32| {
+            let i = receiver as usize;
+            let sample = &self.chart.field.samples[i];
+            let footprint = &self.chart.footprints[i];
+            let look = Look { sample, coord: sample.coord, footprint };
+            self.wrong(receiver, &look, || false)
+        };
+        which.iter().filter_map(of).collect()
+    }
+
+    /// What is wrong about one receiver; `moved_into_light` is asked where the answer depends on it.
+    fn wrong(
+        &self,
+        receiver: u32,
+        look: &Look<'_>,
+        moved_into_light: impl Fn() -> bool,
+    ) -> Option<Wrong> {
+        let Look { sample, coord, footprint } = *look;
+        let bias = self.recipe.tap_bias(&self.weights[receiver as usize]);
+        let (chart, follow) = (self.chart, self.recipe.follow);
+        let spec = &chart.field.case().lookup;
+        if spec.range_test && !shadow::in_square(coord) {
+            let lost = Wrong { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
+            return (!sample.lit).then_some(lost);
+        }
+        let taps = footprint.taps();
+        let is_wrong = |i: usize, depth: f32| {
+            let z = coord[2] + follow.shift(sample.gradient, taps[i].sample, taps[i].centre);
+            spec.compare.is_lit(z, depth, bias) != sample.lit
+        };
+        let (deciding, share) = if footprint.mixed.is_some() {
+            let depth = shadow::mixed_depth(self.store, chart.device(), footprint);
+            if follow == Follow::Receiver && !is_wrong(0, depth) {
+                return None;
+            }
+            let i = mixed_tap(self.store, chart.device(), sample, footprint);
+            is_wrong(i, depth).then_some((i, SHARE as i64))?
+        } else {
+            self.deciding(footprint, is_wrong)?
+        };
+        let texel = taps[deciding].texel;
+        let (caster, gained) = (self.surface)(receiver as usize, deciding, texel);
+        let kind = if sample.lit {
+            let read = self.store.depth(chart.device(), texel as usize);
+            shadow_kind(caster, is_sound((self.store.drawn)(texel), read))
+        } else {
+            let hidden = || f64::from(bias) + gained >= sample.gap || moved_into_light();
+            light_kind(caster, caster == StoredCaster::Occluder && hidden())
+        };
+        Some(Wrong { receiver, kind, share })
+    }
+
+    /// The tap that names the error, the centre before the others in order, and the share that is wrong.
+    fn deciding(
+        &self,
+        footprint: &Footprint,
+        is_wrong: impl Fn(usize, f32) -> bool,
+    ) -> Option<(usize, i64)> {
+        let centre = footprint.centre();
+        let mut found: Option<(usize, i64)> = None;
+        for (i, tap) in footprint.taps().iter().enumerate() {
+            if is_wrong(i, self.store.depth(self.chart.device(), tap.texel as usize)) {
+                let (first, share) = found.unwrap_or((i, 0));
+                let deciding = if i == centre { i } else { first };
+                found = Some((deciding, share + (tap.weight * SHARE) as i64));
+            }
+        }
+        found
+    }
+}
