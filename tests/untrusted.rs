@@ -238,3 +238,25 @@ fn damaged_parts_can_be_left_out() {
     let output = folder.measure(&folder.path("scene.gltf"), ROOM, &["--lenient"]);
     assert!(refused(&output, "nothing is left").contains("no triangle"));
 }
+
+/// R35: a chain of 10⁶ nodes on a stack of 256 KiB.
+#[test]
+#[ignore = "soak: a file of 20 MB"]
+fn a_chain_of_a_million_nodes_is_refused_on_a_small_stack() {
+    let folder = Folder::new();
+    let depth = 1_000_000;
+    let scene = folder.edited(|v| {
+        let below =
+            |i: u32| if i < depth { json!({ "children": [i] }) } else { json!({ "mesh": 0 }) };
+        v["nodes"] = (1..=depth).map(below).collect();
+        v["scenes"][0]["nodes"] = json!([0]);
+    });
+    let start = Instant::now();
+    let script = "ulimit -s 256; exec \"$@\"";
+    let mut command = Command::new("sh");
+    command.args(["-c", script, "sh", env!("CARGO_BIN_EXE_gnomon-report"), "--threads", "1"]);
+    let output = command.arg("--scene").arg(scene).arg("--out").arg(folder.path("out")).output();
+    let text = refused(&output.unwrap(), "the chain");
+    assert!(text.contains("deeper than 1024"), "{text}");
+    println!("10^6 nodes refused in {:?}", start.elapsed());
+}
