@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 use gnomon::analysis::budget::Budget;
-use gnomon::analysis::sweep::chart::{Attachment, Chart};
+use gnomon::analysis::sweep::chart::{Attachment, Chart, map_spec};
 use gnomon::analysis::sweep::tally::Kind;
 use gnomon::analysis::sweep::{Field, Question, Swept, sweep};
+use gnomon::depth::{DepthFormat, Packing};
 use gnomon::raster::passes::Subject;
-use gnomon::scene::{Case, Filter, cases::analytic};
+use gnomon::scene::{Case, Filter, TexelFormat, cases::analytic};
 use gnomon::shadow::bias::Strategy;
-use gnomon::shadow::breakpoint;
+use gnomon::shadow::{breakpoint, texel_depth};
 use gnomon::truth::Receiver;
 
 /// Texel edge, depth range and map size of the analytic planes under the sun.
@@ -59,6 +60,35 @@ fn dyadic_planes_meet_their_threshold_to_the_bit() {
             let half_ulp = 0.5 / f64::from(1 << 24);
             assert!((exact - half_ulp..=exact).contains(&first_lit), "{gx}, {gz}: {first_lit:e}");
         }
+    }
+}
+
+/// R21 with q > 0: a quantiser to nearest adds q/2 to the threshold, the supremum over 10⁴ phases of the
+/// grid, each a texel's centre at another depth and its farthest corner.
+#[test]
+fn quantised_planes_stay_on_the_safe_side() {
+    let mut seed = 12;
+    let formats = [
+        (TexelFormat::Packed(Packing::R8), 1.0 / 255.0),
+        (TexelFormat::Depth(DepthFormat::Unorm16), 1.0 / 65_535.0),
+    ];
+    for i in 0..1000 {
+        let [gx, gz] = [0, 1].map(|_| (random(&mut seed) - 0.5) * 2.0);
+        let (texel, quantum) = formats[i % 2];
+        let mut case = analytic::tilted_plane(gx as f32, gz as f32);
+        case.map = map_spec(&case.map, SIZE, texel);
+        let (device, rule) = (case.device.device(), case.lookup.compare);
+        let corner = predicted(gx, gz);
+        let first_lit = |_| {
+            let centre = 0.2 + 0.6 * random(&mut seed);
+            let stored = texel_depth(&device, &case.map, Some(centre as f32));
+            f64::from(breakpoint(rule, (centre + corner) as f32, stored))
+        };
+        let found = (0..10_000).map(first_lit).fold(f64::NEG_INFINITY, f64::max);
+        let exact = corner + quantum / 2.0;
+        let rounding = 2.0 / f64::from(1 << 24);
+        assert!(found <= exact + rounding, "{gx}, {gz}: {found:e} above {exact:e}");
+        assert!(found >= 0.99 * exact - rounding, "{gx}, {gz}: {found:e} below {exact:e}");
     }
 }
 

@@ -17,10 +17,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec4;
-use gnomon::depth::DepthFormat;
+use gnomon::depth::{DepthFormat, Packing};
 use gnomon::device::DeviceProfile;
-use gnomon::raster::{Pass, PolygonOffset, Raster, draw_at, draw_each, draw_into};
-use gnomon::scene::{Cull, Geometry};
+use gnomon::raster::{
+    NO_TRIANGLE, Pass, PolygonOffset, Raster, draw_at, draw_each, draw_into, quickest,
+};
+use gnomon::scene::{Cull, DepthBuffer, Geometry, MapSpec, TexelFormat};
+use gnomon::shadow::ShadowMap;
 use gnomon::simd::Level;
 use timing::{Ways, busiest_ms, cpu_ms, threads};
 
@@ -64,7 +67,7 @@ fn pass(size: u32, depth_buffer: DepthFormat) -> Pass {
 fn one_map(name: &str, light: &str, size: u32, clip: &[Vec4], triangles: &[[u32; 3]]) {
     let device = DeviceProfile::Ideal.device();
     let (one, two) = (threads(1), threads(2));
-    let best = |format| draw_at(Level::best(), &device, &pass(size, format), clip, triangles);
+    let best = |format| draw_at(quickest(), &device, &pass(size, format), clip, triangles);
     // As in GL, a pass draws into memory that is there.
     let target = std::sync::Mutex::new(best(DepthFormat::F32));
     let draw = |level, format| {
@@ -84,15 +87,12 @@ fn one_map(name: &str, light: &str, size: u32, clip: &[Vec4], triangles: &[[u32;
     let mut ways = Ways::default();
     for round in 0..ROUNDS {
         one.install(|| {
-            ways.add("one thread", cpu_ms(|| draw(Level::best(), DepthFormat::F32)));
-            ways.add(
-                "one thread, avx2",
-                cpu_ms(|| draw(Level::Avx2.min(Level::best()), DepthFormat::F32)),
-            );
+            ways.add("one thread", cpu_ms(|| draw(quickest(), DepthFormat::F32)));
+            ways.add("one thread, avx512", cpu_ms(|| draw(Level::best(), DepthFormat::F32)));
             ways.add("one thread, baseline", cpu_ms(|| draw(Level::Baseline, DepthFormat::F32)));
             ways.add(
                 "one thread, unorm16 tested",
-                cpu_ms(|| draw(Level::best(), DepthFormat::Unorm16)),
+                cpu_ms(|| draw(quickest(), DepthFormat::Unorm16)),
             );
             if round < 2 {
                 ways.add("arbiter, one thread", cpu_ms(each));
@@ -106,6 +106,49 @@ fn one_map(name: &str, light: &str, size: u32, clip: &[Vec4], triangles: &[[u32;
         }
     }
     ways.report(triangles.len(), "triangles");
+    six_formats(size, clip, triangles);
+}
+
+/// What maps are kept as.
+const SIX: [TexelFormat; 6] = [
+    TexelFormat::Depth(DepthFormat::F32),
+    TexelFormat::Depth(DepthFormat::Unorm16),
+    TexelFormat::Depth(DepthFormat::Unorm24),
+    TexelFormat::Depth(DepthFormat::F16),
+    TexelFormat::Packed(Packing::Book),
+    TexelFormat::Packed(Packing::ThreeRgba),
+];
+
+/// One raster and six maps of it beside one raster and one map, into memory that is there.
+fn six_formats(size: u32, clip: &[Vec4], triangles: &[[u32; 3]]) {
+    let device = DeviceProfile::Ideal.device();
+    let pass = pass(size, DepthFormat::F32);
+    let mut drawn = draw_at(quickest(), &device, &pass, clip, triangles);
+    let clear = [1.0; 4];
+    let (depth_buffer, cull) = (DepthBuffer::Texture, Cull::None);
+    let specs = SIX.map(|texel| MapSpec { size, texel, clear, depth_buffer, cull });
+    let covered = |drawn: &Raster, i: usize| drawn.triangle[i] != NO_TRIANGLE;
+    let store =
+        |spec: &MapSpec| ShadowMap::store(&device, spec, &drawn.depth, |i| covered(&drawn, i));
+    let mut maps = specs.map(|spec| store(&spec));
+    let mut job = |count: usize| {
+        draw_into(&mut drawn, quickest(), &device, &pass, clip, triangles);
+        for (map, spec) in maps.iter_mut().zip(&specs).take(count) {
+            map.store_again(&device, spec, &drawn.depth, |i| covered(&drawn, i));
+        }
+    };
+    let one = threads(1);
+    let mut ways = Ways::default();
+    let mut ratios = Vec::new();
+    for _ in 0..ROUNDS {
+        let [a, b] = [1, SIX.len()].map(|count| one.install(|| cpu_ms(|| job(count))));
+        ways.add("drawn, kept in one format", a);
+        ways.add("drawn, kept in six", b);
+        ratios.push(b / a);
+    }
+    ratios.sort_by(f64::total_cmp);
+    ways.report(triangles.len(), "triangles");
+    println!("    six formats: {:.3} times one", ratios[ROUNDS / 2]);
 }
 
 fn differing(a: &Raster, b: &Raster) -> usize {
@@ -171,7 +214,7 @@ fn curve() {
         let clip = scenes::clip_space(&scene, scenes::SUN, false);
         for size in [2 * side * 1414 / 1000, 2048] {
             let pass = pass(size, DepthFormat::F32);
-            let draw = || draw_at(Level::best(), &device, &pass, &clip, &scene.triangles);
+            let draw = || draw_at(quickest(), &device, &pass, &clip, &scene.triangles);
             let mut times: Vec<f64> = (0..ROUNDS).map(|_| one.install(|| cpu_ms(draw))).collect();
             times.sort_by(f64::total_cmp);
             let (ms, n) = (times[ROUNDS / 2], scene.triangles.len());

@@ -60,6 +60,14 @@ pub fn busiest_ms(pool: &rayon::ThreadPool, job: impl FnOnce() + Send) -> f64 {
     before.iter().zip(&after).map(|(before, after)| after - before).fold(0.0, f64::max)
 }
 
+/// Wall milliseconds of a job, and the processor time of all threads of its pool.
+pub fn both_ms(pool: &rayon::ThreadPool, job: impl FnOnce() + Send) -> [f64; 2] {
+    let before = pool.broadcast(|_| clock());
+    let wall = wall_ms(|| pool.install(job));
+    let after = pool.broadcast(|_| clock());
+    [wall, before.iter().zip(&after).map(|(before, after)| after - before).sum()]
+}
+
 /// Writes the rows of a curve where `GNOMON_CSV` says.
 pub fn csv(rows: &[String]) {
     if let Ok(path) = std::env::var("GNOMON_CSV") {

@@ -2,50 +2,56 @@
 //! texel.
 
 use crate::scene::Geometry;
-use glam::DVec2;
-use std::collections::HashMap;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
-/// Triangles across each triangle's edges, vertices welded by position.
+/// Triangles across each triangle's edges, vertices welded by position: one list after the other.
 #[derive(Clone, Debug)]
 pub struct Adjacency {
-    neighbours: Vec<Vec<u32>>,
+    /// Where each triangle's list begins; one more at the end.
+    starts: Vec<u32>,
+    neighbours: Vec<u32>,
 }
+
+/// Triangles passed on one search without the heap.
+const FEW: usize = 32;
 
 impl Adjacency {
     /// Welds vertices of equal position (−0 equals +0) and pairs triangles over shared edges.
     #[must_use]
     pub fn new(geometry: &Geometry) -> Self {
-        let mut welded: HashMap<[u64; 3], u32> = HashMap::new();
-        let weld: Vec<u32> = geometry
-            .positions
-            .iter()
-            .map(|p| {
-                let key = (*p + 0.0).to_array().map(f64::to_bits);
-                let next = welded.len() as u32;
-                *welded.entry(key).or_insert(next)
-            })
-            .collect();
-        let mut edges: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
-        for (id, t) in geometry.triangles.iter().enumerate() {
-            let v = t.map(|v| weld[v as usize]);
-            for i in 0..3 {
-                let (a, b) = (v[i].min(v[(i + 1) % 3]), v[i].max(v[(i + 1) % 3]));
-                if a != b {
-                    edges.entry((a, b)).or_default().push(id as u32);
-                }
+        let welded = welded(&geometry.positions);
+        let edges = |(id, t): (usize, &[u32; 3])| {
+            let v = t.map(|v| welded[v as usize]);
+            let edge = move |i: usize| {
+                let (a, b) = (v[i], v[(i + 1) % 3]);
+                (a != b).then(|| ((u64::from(a.min(b)) << 32) | u64::from(a.max(b)), id as u32))
+            };
+            (0..3).filter_map(edge)
+        };
+        let triangles = geometry.triangles.par_iter().with_min_len(1024).enumerate();
+        let mut edges: Vec<(u64, u32)> = triangles.flat_map_iter(edges).collect();
+        edges.par_sort_unstable();
+        let mut pairs: Vec<(u32, u32)> = Vec::with_capacity(edges.len());
+        for sharing in edges.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, a) in sharing {
+                let others = sharing.iter().map(|&(_, b)| b).filter(|&b| b != a);
+                pairs.extend(others.map(|b| (a, b)));
             }
         }
-        let mut neighbours = vec![Vec::new(); geometry.triangles.len()];
-        for sharing in edges.values() {
-            for &a in sharing {
-                neighbours[a as usize].extend(sharing.iter().copied().filter(|&b| b != a));
-            }
+        pairs.par_sort_unstable();
+        pairs.dedup();
+        let mut starts = vec![0u32; geometry.triangles.len() + 1];
+        pairs.iter().for_each(|&(a, _)| starts[a as usize + 1] += 1);
+        for i in 0..geometry.triangles.len() {
+            starts[i + 1] += starts[i];
         }
-        neighbours.iter_mut().for_each(|list: &mut Vec<u32>| {
-            list.sort_unstable();
-            list.dedup();
-        });
-        Self { neighbours }
+        Self { starts, neighbours: pairs.into_iter().map(|(_, b)| b).collect() }
+    }
+
+    fn of(&self, id: u32) -> &[u32] {
+        let first = self.starts[id as usize] as usize;
+        &self.neighbours[first..self.starts[id as usize + 1] as usize]
     }
 
     /// Whether `caster` is `own` or reached from it through triangles that overlap the square of
@@ -63,11 +69,11 @@ impl Adjacency {
             return true;
         }
         let overlaps = |t: u32| project(t).is_some_and(|corners| overlap(&corners, centre, 1.5));
-        let mut seen = vec![own];
+        let mut seen = Passed { few: [own; FEW], many: Vec::new(), len: 1 };
         let mut next = 0;
-        while next < seen.len() {
-            for &t in &self.neighbours[seen[next] as usize] {
-                if !seen.contains(&t) && overlaps(t) {
+        while next < seen.len {
+            for &t in self.of(seen.get(next)) {
+                if !seen.contains(t) && overlaps(t) {
                     if t == caster {
                         return true;
                     }
@@ -78,6 +84,43 @@ impl Adjacency {
         }
         false
     }
+}
+
+/// The triangles that a search has passed; the first few lie in place.
+struct Passed {
+    few: [u32; FEW],
+    many: Vec<u32>,
+    len: usize,
+}
+
+impl Passed {
+    fn get(&self, k: usize) -> u32 {
+        if k < FEW { self.few[k] } else { self.many[k - FEW] }
+    }
+
+    fn contains(&self, t: u32) -> bool {
+        self.few[..self.len.min(FEW)].contains(&t) || self.many.contains(&t)
+    }
+
+    fn push(&mut self, t: u32) {
+        match self.few.get_mut(self.len) {
+            Some(place) => *place = t,
+            None => self.many.push(t),
+        }
+        self.len += 1;
+    }
+}
+
+/// The least vertex at each vertex' position.
+fn welded(positions: &[DVec3]) -> Vec<u32> {
+    let key = |(k, p): (usize, &DVec3)| ((*p + 0.0).to_array().map(f64::to_bits), k as u32);
+    let mut sorted: Vec<_> = positions.par_iter().enumerate().map(key).collect();
+    sorted.par_sort_unstable();
+    let mut welded = vec![0; positions.len()];
+    for same in sorted.chunk_by(|a, b| a.0 == b.0) {
+        same.iter().for_each(|&(_, k)| welded[k as usize] = same[0].1);
+    }
+    welded
 }
 
 /// Whether a triangle and a square of half-width `half` meet (separating axes; touching counts).
@@ -101,7 +144,6 @@ fn overlap(corners: &[DVec2; 3], centre: DVec2, half: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     #[test]
     fn a_quad_is_one_surface_near_its_diagonal_only() {

@@ -28,19 +28,71 @@ struct Weighted {
     share: f64,
 }
 
-impl Weighted {
-    fn new<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> Self {
-        let breakpoints = observations.clone().flat_map(|o| o.breakpoints.iter().copied());
-        let taps = observations.clone().next().map_or(1, |o| o.breakpoints.len());
-        if observations.clone().all(|o| o.taps.weights().is_none()) {
-            let share = 1.0 / taps as f64;
-            return Self { breakpoints: sorted(breakpoints), reached: Vec::new(), share };
+/// Breakpoints of one population in the order of its receivers.
+#[derive(Default)]
+struct Gathered {
+    /// Taps of a look-up.
+    taps: usize,
+    breakpoints: Vec<f32>,
+    /// Shares of the taps where some differ; else empty.
+    shares: Vec<f64>,
+    /// The breakpoint of each receiver at which its verdict turns.
+    ends: Vec<f32>,
+}
+
+impl Gathered {
+    fn add(&mut self, o: &Observation, end: fn(&[f32]) -> f32) {
+        self.taps = self.taps.max(o.breakpoints.len());
+        if let Some(weights) = o.taps.weights() {
+            self.shares.resize(self.breakpoints.len(), 1.0);
+            self.shares.extend(weights);
         }
-        let share = |o: &'o Observation, i: usize| o.taps.weights().map_or(1.0, |w| w[i]);
-        let of = |o: &'o Observation| {
-            (0..o.breakpoints.len()).map(move |i| (o.breakpoints[i], share(o, i)))
-        };
-        let mut pairs: Vec<(f32, f64)> = observations.flat_map(of).collect();
+        self.breakpoints.extend_from_slice(&o.breakpoints);
+        if o.breakpoints.len() != 1 {
+            self.ends.push(end(&o.breakpoints));
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.taps = self.taps.max(other.taps);
+        if !other.shares.is_empty() {
+            self.shares.resize(self.breakpoints.len(), 1.0);
+            self.shares.extend(&other.shares);
+        }
+        self.breakpoints.extend(&other.breakpoints);
+        self.ends.extend(&other.ends);
+    }
+}
+
+/// The breakpoints of truly lit and of truly shadowed receivers.
+fn gathered(observations: &[Observation]) -> [Gathered; 2] {
+    let chunk = |observations: &[Observation]| {
+        let mut found: [Gathered; 2] = Default::default();
+        for o in observations {
+            match o.truly_lit() {
+                Some(true) => found[0].add(o, largest),
+                Some(false) => found[1].add(o, smallest),
+                None => {}
+            }
+        }
+        found
+    };
+    let chunks: Vec<[Gathered; 2]> = observations.par_chunks(1 << 14).map(chunk).collect();
+    let mut all: [Gathered; 2] = Default::default();
+    for chunk in &chunks {
+        all.iter_mut().zip(chunk).for_each(|(all, found)| all.join(found));
+    }
+    all
+}
+
+impl Weighted {
+    fn new(mut all: Gathered) -> Self {
+        if all.shares.is_empty() {
+            let share = 1.0 / all.taps.max(1) as f64;
+            return Self { breakpoints: sorted(all.breakpoints), reached: Vec::new(), share };
+        }
+        all.shares.resize(all.breakpoints.len(), 1.0);
+        let mut pairs: Vec<(f32, f64)> = all.breakpoints.into_iter().zip(all.shares).collect();
         pairs.sort_by_key(|&(b, _)| ordinal(b));
         let mut sum = 0.0;
         let reached = pairs.iter().map(|&(_, share)| {
@@ -87,7 +139,7 @@ pub struct Errors {
 }
 
 /// The three biases that say whether a constant bias can work.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Thresholds {
     /// Largest breakpoint of truly lit receivers whose texels hold their own surface.
     pub critical: Option<f32>,
@@ -102,25 +154,30 @@ impl Thresholds {
         Some(f64::from(self.detachment?) - f64::from(self.critical?))
     }
 
-    /// Reads them off the observations.
-    #[must_use]
-    pub fn of(observations: &[Observation]) -> Self {
-        let mut thresholds = Self { critical: None, detachment: None };
-        for o in observations {
-            match (o.truly_lit(), o.caster) {
-                (Some(true), _) if o.own_surface => {
-                    let last = largest(&o.breakpoints);
-                    thresholds.critical = Some(thresholds.critical.map_or(last, |b| b.max(last)));
-                }
-                (Some(false), StoredCaster::Occluder) => {
-                    let first = smallest(&o.breakpoints);
-                    thresholds.detachment =
-                        Some(thresholds.detachment.map_or(first, |b| b.min(first)));
-                }
-                _ => {}
+    /// Takes a receiver into account.
+    pub(super) fn add(&mut self, o: &Observation) {
+        let found = match (o.truly_lit(), o.caster) {
+            (Some(true), _) if o.own_surface => {
+                Self { critical: Some(largest(&o.breakpoints)), detachment: None }
             }
+            (Some(false), StoredCaster::Occluder) => {
+                Self { critical: None, detachment: Some(smallest(&o.breakpoints)) }
+            }
+            _ => return,
+        };
+        *self = self.joined(found);
+    }
+
+    /// Those of both populations.
+    pub(super) fn joined(self, other: Self) -> Self {
+        let pick = |a: Option<f32>, b: Option<f32>, of: fn(f32, f32) -> f32| match (a, b) {
+            (Some(a), Some(b)) => Some(of(a, b)),
+            _ => a.or(b),
+        };
+        Self {
+            critical: pick(self.critical, other.critical, f32::max),
+            detachment: pick(self.detachment, other.detachment, f32::min),
         }
-        thresholds
     }
 }
 
@@ -136,24 +193,15 @@ impl Curve {
     /// Sorts the breakpoints of all counted receivers.
     #[must_use]
     pub fn new(observations: &[Observation]) -> Self {
-        let of = |lit: bool| observations.iter().filter(move |o| o.truly_lit() == Some(lit));
-        let ends = |lit: bool, end: fn(&[f32]) -> f32, all: &Weighted| match all.is_of_single_taps()
-        {
-            true => all.breakpoints.clone(),
-            false => sorted(of(lit).map(|o| end(&o.breakpoints))),
+        let population = |mut all: Gathered| {
+            let ends = std::mem::take(&mut all.ends);
+            let all = Weighted::new(all);
+            let ends = if all.is_of_single_taps() { all.breakpoints.clone() } else { sorted(ends) };
+            (all, ends)
         };
-        let ((lit, lit_last), (shadowed, shadowed_first)) = rayon::join(
-            || {
-                let lit = Weighted::new(of(true));
-                let last = ends(true, largest, &lit);
-                (lit, last)
-            },
-            || {
-                let shadowed = Weighted::new(of(false));
-                let first = ends(false, smallest, &shadowed);
-                (shadowed, first)
-            },
-        );
+        let [lit, shadowed] = gathered(observations);
+        let ((lit, lit_last), (shadowed, shadowed_first)) =
+            rayon::join(|| population(lit), || population(shadowed));
         Self { lit, shadowed, lit_last, shadowed_first }
     }
 
@@ -176,8 +224,7 @@ impl Curve {
     }
 }
 
-fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
-    let mut list: Vec<f32> = values.collect();
+fn sorted(mut list: Vec<f32>) -> Vec<f32> {
     list.par_sort_unstable_by_key(|&b| ordinal(b));
     list
 }

@@ -35,51 +35,83 @@ pub fn interior(observer: &Observer<'_>, observations: &[Observation]) -> Vec<bo
 /// As [`interior`], with the number of map points asked for and of rays traced.
 #[must_use]
 pub fn counted(observer: &Observer<'_>, observations: &[Observation]) -> (Vec<bool>, Count) {
-    let foremost = observer.effort.skip.then(|| Foremost::new(observer, Faces::Both));
-    let chunk = foremost.as_ref().map_or(1 << 12, Foremost::chunk);
-    let one = |list: &[Observation]| asked(observer, foremost.as_ref(), list);
-    let found: Vec<_> = observations.par_chunks(chunk).map(one).collect();
-    let count = found.iter().fold([0; 2], |[a, e], (_, [b, f])| [a + b, e + f]);
-    let count = Count {
-        what: "map points around receivers",
-        answered: count[0],
-        evaluated: count[1],
-        because: "f64 planes say with certainty what the light sees there first",
-    };
-    (found.into_iter().flat_map(|(inside, _)| inside).collect(), count)
-}
-
-/// Asks point after point for the receivers of a chunk whose points agree so far.
-fn asked(
-    observer: &Observer<'_>,
-    foremost: Option<&Foremost>,
-    list: &[Observation],
-) -> (Vec<bool>, [u64; 2]) {
-    let texel = 1.0 / f64::from(observer.case().map.size);
-    let eligible = |o: &&Observation| {
+    let eligible = |o: &Observation| {
         matches!(o.standing, Standing::Counted | Standing::FacingAway) && in_map(o)
     };
-    let points: Vec<DVec2> = list.iter().filter(eligible).map(|o| o.exact.truncate()).collect();
-    let sorted = foremost.map(|f| (f, f.sorted(&points, 1.01 * REACH)));
-    let mut objects: Vec<Option<u16>> = vec![None; points.len()];
-    let (mut answered, mut traced) = (0, 0);
+    let which: Vec<u32> = (0..observations.len() as u32)
+        .into_par_iter()
+        .filter(|&k| eligible(&observations[k as usize]))
+        .collect();
+    let point = |&k: &u32| observations[k as usize].exact.truncate();
+    let points: Vec<DVec2> = which.par_iter().map(point).collect();
+    let found = around(observer, &points);
+    let mut interior = vec![false; observations.len()];
+    let (mut answered, mut evaluated) = (0, 0);
+    for Around { one_object, asked, traced } in found {
+        one_object.iter().for_each(|&k| interior[which[k as usize] as usize] = true);
+        (answered, evaluated) = (answered + asked, evaluated + traced);
+    }
+    let because = "f64 planes say with certainty what the light sees there first";
+    (interior, Count { what: "map points around receivers", answered, evaluated, because })
+}
+
+/// What was found around some points.
+#[derive(Default)]
+struct Around {
+    /// Those all around which one object is seen first.
+    one_object: Vec<u32>,
+    /// Places asked for.
+    asked: u64,
+    /// Rays traced for them.
+    traced: u64,
+}
+
+/// Looks around all points.
+fn around(observer: &Observer<'_>, points: &[DVec2]) -> Vec<Around> {
+    if !observer.effort.skip {
+        let all: Vec<u32> = (0..points.len() as u32).collect();
+        let open = |_: DVec2, _: usize| Seen::Open;
+        return all.par_chunks(1 << 12).map(|some| asked(observer, points, some, open)).collect();
+    }
+    let foremost = Foremost::new(observer, Faces::Both);
+    foremost.by_block(points, 1.01 * REACH, |block, states| {
+        let mut looked = None;
+        asked(observer, points, block.index(), |offset, place| {
+            if looked != Some(offset) {
+                foremost.look(block, offset, states);
+                looked = Some(offset);
+            }
+            foremost.seen(states, place)
+        })
+    })
+}
+
+/// Asks offset after offset what is `seen` beside the points named by `which`, as long as they agree.
+fn asked(
+    observer: &Observer<'_>,
+    points: &[DVec2],
+    which: &[u32],
+    mut seen: impl FnMut(DVec2, usize) -> Seen,
+) -> Around {
+    let texel = 1.0 / f64::from(observer.case().map.size);
+    let mut objects: Vec<Option<u16>> = vec![None; which.len()];
+    let mut around = Around::default();
     for (k, [dx, dy]) in POINTS.into_iter().enumerate() {
         let offset = DVec2::new(dx, dy) * REACH * texel;
-        let seen = sorted.as_ref().map(|(foremost, points)| foremost.beside(points, offset));
-        for (i, object) in objects.iter_mut().enumerate() {
+        for (place, object) in objects.iter_mut().enumerate() {
             if k > 0 && object.is_none() {
                 continue;
             }
-            let seen = seen.as_ref().map_or(Seen::Open, |seen| seen[i]);
-            answered += 1;
-            traced += u64::from(seen == Seen::Open);
-            let here = object_of(observer, seen, points[i] + offset);
+            let seen = seen(offset, place);
+            around.asked += 1;
+            around.traced += u64::from(seen == Seen::Open);
+            let here = object_of(observer, seen, points[which[place] as usize] + offset);
             *object = if k == 0 || here == *object { here } else { None };
         }
     }
-    let mut objects = objects.into_iter();
-    let is_interior = |o: &Observation| eligible(&o) && objects.next().flatten().is_some();
-    (list.iter().map(is_interior).collect(), [answered, traced])
+    let agree = which.iter().zip(&objects).filter(|(_, object)| object.is_some());
+    around.one_object = agree.map(|(&k, _)| k).collect();
+    around
 }
 
 /// The object that the light sees first at a map point, by a ray where that is open.

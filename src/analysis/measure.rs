@@ -1,20 +1,16 @@
 //! Measuring a case: observe its receivers, then count, rate and name.
 
 use super::captured::Captured;
-use super::classify::Artifact;
-use super::curve::{Curve, Thresholds};
+use super::counts::Counts;
+use super::curve::Curve;
 use super::effort::{Count, Effort};
 use super::interior;
-use super::ladder::Rung;
-use super::measurement::{
-    Gap, InteriorTotal, Length, Measurement, Samples, ShadowInterior, Tally, Wrongs,
-};
-use super::observe::{Observation, Observer, Standing};
+use super::measurement::{Length, Measurement, Samples, Wrongs};
+use super::observe::{Observation, Observer};
 use super::walk::Walk;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::Case;
-use crate::truth::Truth;
-use std::collections::BTreeMap;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A measured case with the receivers behind the numbers.
@@ -75,17 +71,13 @@ fn summarize(
 ) -> Measurement {
     let case = observer.case();
     let [lit, shadowed] = curve.populations();
-    let (lengths, (interior, shadow_interior)) = rayon::join(
-        || (peter_panning(observer, observations), stripe_period(observer, observations)),
-        || {
-            let inside = observations.iter().zip(inside).filter(|(_, inside)| **inside);
-            let interior: Vec<&Observation> = inside.map(|(o, _)| o).collect();
-            let shadow_interior = ShadowInterior::of(case, interior.iter().copied());
-            (by_object(case, interior.into_iter()), shadow_interior)
-        },
+    let object = |t: u32| observer.geometry.object[t as usize];
+    let counts = Counts::of(case.objects.len(), observations, inside, object);
+    let (peter_panning, stripe_period) = rayon::join(
+        || peter_panning(observer, &counts.panning),
+        || stripe_period(observer, &counts.striped),
     );
-    let (thresholds, by_object) =
-        rayon::join(|| Thresholds::of(observations), || by_object(case, observations.iter()));
+    let (interior, interior_total) = counts.interiors(case);
     let mut measurement = Measurement {
         name: case.name.clone(),
         document: case.document.clone(),
@@ -95,23 +87,23 @@ fn summarize(
         filter: case.lookup.filter.name(),
         compare: case.lookup.compare.name(),
         bias: case.bias,
-        samples: samples(case, observations, step),
+        samples: samples(case, &counts, observations.len(), step),
         lit,
         shadowed,
-        false_shadow: wrongs(observations, true, lit),
-        false_light: wrongs(observations, false, shadowed),
-        wrong_on_rung: wrong_on_rung(observations),
+        false_shadow: counts.wrongs(true, lit),
+        false_light: counts.wrongs(false, shadowed),
+        wrong_on_rung: counts.wrong_on_rung(),
         without_bias: curve.at(0.0),
-        headroom: thresholds.headroom(),
-        thresholds,
-        exact_gap: exact_gap(observations),
-        interior_total: InteriorTotal::of(&interior),
+        headroom: counts.thresholds.headroom(),
+        thresholds: counts.thresholds,
+        exact_gap: counts.exact_gap,
+        interior_total,
         interior,
-        shadow_interior,
-        by_object,
-        lost_shadows: lost_shadows(observer, observations),
-        peter_panning: lengths.0,
-        stripe_period: lengths.1,
+        shadow_interior: counts.shadow_interior(case),
+        by_object: counts.by_object(case),
+        lost_shadows: counts.lost_shadows(case),
+        peter_panning,
+        stripe_period,
         misordered_texels: observer.misordered_texels(),
         assumptions: case.assumptions.clone(),
         facts: case.facts.clone(),
@@ -121,94 +113,10 @@ fn summarize(
     measurement
 }
 
-fn samples(case: &Case, observations: &[Observation], step: u32) -> Samples {
+fn samples(case: &Case, counts: &Counts<'_>, receivers: usize, step: u32) -> Samples {
     let along = |size: u32| u64::from(size.div_ceil(step));
     let pixels = along(case.canvas[0]) * along(case.canvas[1]);
-    let mut samples =
-        Samples { pixels, background: pixels - observations.len() as u64, ..Samples::default() };
-    for o in observations {
-        match o.standing {
-            Standing::Counted => {
-                samples.counted += 1;
-                samples.touching += u64::from(o.answer.touching);
-            }
-            Standing::Ambiguous => samples.ambiguous += 1,
-            Standing::FacingAway => samples.facing_away += 1,
-            Standing::OutsideCone => samples.outside_cone += 1,
-            Standing::OutsideMap => {
-                samples.outside_map += 1;
-                samples.outside_map_shadowed += u64::from(o.visibility() < 1.0);
-            }
-        }
-    }
-    samples
-}
-
-fn wrongs(observations: &[Observation], truly_lit: bool, population: u64) -> Wrongs {
-    let mut wrongs = Wrongs {
-        by_cause: Rung::ALL.iter().map(|r| (r.name(), 0)).collect(),
-        by_artifact: Artifact::ALL.iter().map(|a| (a.name(), 0)).collect(),
-        ..Wrongs::default()
-    };
-    for o in observations.iter().filter(|o| o.truly_lit() == Some(truly_lit)) {
-        let Some(fault) = o.outcome.fault() else { continue };
-        wrongs.count += 1;
-        wrongs.weight += if truly_lit { 1.0 - o.visibility() } else { o.visibility() };
-        *wrongs.by_cause.entry(fault.cause.name()).or_default() += 1;
-        *wrongs.by_artifact.entry(fault.artifact.name()).or_default() += 1;
-    }
-    wrongs.rate = if population == 0 { 0.0 } else { wrongs.count as f64 / population as f64 };
-    wrongs
-}
-
-fn wrong_on_rung(observations: &[Observation]) -> BTreeMap<&'static str, u64> {
-    let mut counts = [0u64; 5];
-    for o in observations {
-        counts.iter_mut().zip(o.wrong).for_each(|(count, wrong)| *count += u64::from(wrong));
-    }
-    Rung::ALL.iter().map(|rung| rung.name()).zip(counts).collect()
-}
-
-fn exact_gap(observations: &[Observation]) -> Option<Gap> {
-    let gaps = observations
-        .iter()
-        .filter(|o| o.truly_lit() == Some(false) && o.stored[0].is_finite())
-        .map(|o| o.exact.z - o.stored[0]);
-    gaps.fold(None, |gap: Option<Gap>, g| {
-        Some(gap.map_or(Gap { min: g, max: g }, |Gap { min, max }| Gap {
-            min: min.min(g),
-            max: max.max(g),
-        }))
-    })
-}
-
-fn by_object<'o>(
-    case: &Case,
-    observations: impl Iterator<Item = &'o Observation>,
-) -> BTreeMap<String, Tally> {
-    let mut tallies = vec![Tally::default(); case.objects.len()];
-    observations.for_each(|o| tallies[usize::from(o.object)].add(o));
-    let mut by_name: BTreeMap<String, Tally> = BTreeMap::new();
-    for (object, tally) in case.objects.iter().zip(&tallies) {
-        by_name.entry(object.name.clone()).or_default().merge(tally);
-    }
-    by_name
-}
-
-/// Objects that truly shadow counted receivers, none of which the map leaves in the dark.
-fn lost_shadows(observer: &Observer<'_>, observations: &[Observation]) -> Vec<String> {
-    let case = observer.case();
-    let mut kept = vec![(0u64, 0u64); case.objects.len()];
-    for o in observations {
-        if let (Some(false), Truth::Shadowed(occlusion)) = (o.truly_lit(), &o.answer.truth) {
-            let object = observer.geometry.object[occlusion.first as usize];
-            let (cast, kept) = &mut kept[usize::from(object)];
-            *cast += 1;
-            *kept += u64::from(o.visibility() < 1.0);
-        }
-    }
-    let lost = |&(_, &(cast, kept)): &(usize, &(u64, u64))| cast > 0 && kept == 0;
-    kept.iter().enumerate().filter(lost).map(|(i, _)| case.objects[i].name.clone()).collect()
+    Samples { pixels, background: pixels - receivers as u64, ..counts.samples.clone() }
 }
 
 /// At most so many samples are walked; they are spread evenly over the list.
@@ -219,24 +127,17 @@ fn spread<'o>(list: &[&'o Observation]) -> Vec<&'o Observation> {
     list.iter().step_by(stride).copied().collect()
 }
 
-fn peter_panning(observer: &Observer<'_>, observations: &[Observation]) -> Option<Length> {
-    let is_peter_panning =
-        |o: &&Observation| o.outcome.fault().is_some_and(|f| f.artifact == Artifact::PeterPanning);
-    let list: Vec<&Observation> = observations.iter().filter(is_peter_panning).collect();
+fn peter_panning(observer: &Observer<'_>, list: &[&Observation]) -> Option<Length> {
     let length = |o: &Observation| {
         let walk = Walk::along_light(observer, &o.receiver, observer.case().bias)?;
         let world = walk.false_light_length()?;
         Some(Length { world, texels: world / walk.texel_world() })
     };
-    let lengths = spread(&list).into_iter().filter_map(length);
-    lengths.max_by(|a, b| a.world.total_cmp(&b.world))
+    let lengths: Vec<Option<Length>> = spread(list).into_par_iter().map(length).collect();
+    lengths.into_iter().flatten().max_by(|a, b| a.world.total_cmp(&b.world))
 }
 
-fn stripe_period(observer: &Observer<'_>, observations: &[Observation]) -> Option<Length> {
-    let is_acne = |o: &&Observation| {
-        o.truly_lit() == Some(true) && o.own_surface && o.breakpoints.iter().any(|&b| b > 0.0)
-    };
-    let list: Vec<&Observation> = observations.iter().filter(is_acne).collect();
+fn stripe_period(observer: &Observer<'_>, list: &[&Observation]) -> Option<Length> {
     let middle = list.get(list.len() / 2)?;
     let walk = Walk::along_light(observer, &middle.receiver, 0.0)?;
     let world = walk.stripe_period()?;
@@ -282,6 +183,7 @@ impl Observer<'_> {
     pub fn misordered_texels(&self) -> u64 {
         let ours = &self.subject.map_raster.triangle;
         let differs = |(a, b): (&u32, &u32)| a != b && *a != NO_TRIANGLE && *b != NO_TRIANGLE;
-        ours.iter().zip(self.float_triangles()).filter(|&(a, b)| differs((a, b))).count() as u64
+        let pairs = ours.par_iter().with_min_len(1 << 14).zip(self.float_triangles());
+        pairs.filter(|&(a, b)| differs((a, b))).count() as u64
     }
 }

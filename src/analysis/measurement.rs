@@ -3,8 +3,7 @@
 use super::classify::Outcome;
 use super::curve::{Errors, Thresholds};
 use super::observe::Observation;
-use crate::scene::{Case, Fact};
-use crate::truth::Truth;
+use crate::scene::Fact;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -125,27 +124,6 @@ pub struct ShadowInterior {
     pub leak_rate: f64,
     /// Leaks by the receiver's object.
     pub leaks_by_object: BTreeMap<String, u64>,
-}
-
-impl ShadowInterior {
-    pub(super) fn of<'o>(case: &Case, interior: impl Iterator<Item = &'o Observation>) -> Self {
-        let name = |o: &Observation| case.objects[usize::from(o.object)].name.clone();
-        let mut found = Self {
-            leaks_by_object: case.objects.iter().map(|o| (o.name.clone(), 0)).collect(),
-            ..Self::default()
-        };
-        for o in interior.filter(|o| matches!(o.answer.truth, Truth::Shadowed(_))) {
-            found.receivers += 1;
-            if o.visibility() > 0.0 {
-                found.leaks += 1;
-                *found.leaks_by_object.entry(name(o)).or_default() += 1;
-            }
-        }
-        if found.receivers > 0 {
-            found.leak_rate = found.leaks as f64 / found.receivers as f64;
-        }
-        found
-    }
 }
 
 /// Exact depth differences between truly shadowed receivers and their first occluder.

@@ -6,13 +6,14 @@ use super::effort::Effort;
 pub use super::observation::{Observation, Standing};
 use crate::depth::DepthFormat;
 use crate::device::Device;
+use crate::raster::Interpolator;
 use crate::raster::NO_TRIANGLE;
 use crate::raster::passes::{Subject, draw_map, map_depth_buffer};
-use crate::raster::{Setup, Varyings};
 use crate::scene::{Case, Cull, Geometry, LookupSpec};
 use crate::shadow::{self, ShadowMap, Taps};
-use crate::truth::{Answer, Faces, Receiver, Tracer, Truth};
-use glam::{DMat4, DVec2, DVec3, Vec4};
+use crate::truth::{Answer, Faces, LightEnd, Receiver, Tracer, Truth};
+use glam::{DMat4, DVec2, DVec3};
+use rayon::prelude::*;
 
 /// Share of a look-up's visibility that `lit` taps have: 1 where the range test lights all of them.
 fn lit_share(taps: &Taps, lit: usize, is_lit: impl Fn(f32) -> bool) -> f64 {
@@ -41,6 +42,10 @@ pub struct Observer<'a> {
     float_triangles: Vec<u32>,
     /// Which sides of casters the light sees in the map.
     pub(super) drawn_faces: Faces,
+    /// Where shadow rays end.
+    light: LightEnd,
+    /// The unit vector towards a directional light.
+    sun: Option<DVec3>,
     /// How answers are found.
     pub effort: Effort,
 }
@@ -60,7 +65,7 @@ fn float_map(subject: &Subject<'_>, effort: Effort) -> (ShadowMap, Vec<u32>) {
 
 /// A pixel's receiver and its map coordinates in the subject.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct Looking {
     pub(super) pixel: [u32; 2],
     pub(super) receiver: Receiver,
     pub(super) coord: [f32; 3],
@@ -69,32 +74,25 @@ pub(super) struct Seen {
 /// A triangle of the camera pass, set up for all its pixels.
 pub(super) struct Spot {
     pub(super) triangle: u32,
-    setup: Setup,
-    varyings: Varyings,
-    light_coord: [Vec4; 3],
+    interpolator: Interpolator,
     corners: [DVec3; 3],
 }
 
 impl Spot {
     pub(super) fn new(observer: &Observer<'_>, triangle: u32) -> Self {
-        let subject = &observer.subject;
-        let setup = subject.camera_setup(triangle);
-        let vertices = subject.vertices.triangles[triangle as usize];
         Self {
             triangle,
-            varyings: setup.varyings(&subject.device),
-            setup,
-            light_coord: vertices.map(|v| subject.vertices.light_coord[v as usize]),
+            interpolator: observer.subject.interpolator(triangle),
             corners: observer.geometry.corners(triangle),
         }
     }
 
     /// The receiver at a pixel centre, and its map coordinates in the subject.
     pub(super) fn receiver(&self, observer: &Observer<'_>, x: u32, y: u32) -> (Receiver, [f32; 3]) {
-        let weights = self.setup.barycentrics(x, y);
+        let weights = self.interpolator.barycentrics(x, y);
         let [a, b, c] = self.corners;
         let position = a * weights.x + b * weights.y + c * weights.z;
-        let varying = self.varyings.vector(self.light_coord, x as f32, y as f32);
+        let varying = self.interpolator.vector(x as f32, y as f32);
         let coord = observer.case().lookup.coord.apply(varying);
         (Receiver { position, triangle: self.triangle }, coord)
     }
@@ -130,8 +128,15 @@ impl<'a> Observer<'a> {
             let [a, b, c] = geometry.corners(t).map(texels);
             Some([a?, b?, c?])
         };
+        let ids = (0..geometry.triangles.len() as u32).into_par_iter().with_min_len(1024);
+        let sun = case.light.is_directional().then(|| case.light.view.backward());
         Self {
-            projected: (0..geometry.triangles.len() as u32).map(corners).collect(),
+            projected: ids.map(corners).collect(),
+            light: match sun {
+                Some(sun) => LightEnd::Along(sun * tracer.reach()),
+                None => LightEnd::Point(case.light.view.position),
+            },
+            sun,
             tracer,
             adjacency,
             world_from_clip: clip_from_world.inverse(),
@@ -213,21 +218,21 @@ impl<'a> Observer<'a> {
     #[must_use]
     pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {
         let (window, answer, standing) = self.witness(&receiver);
-        let seen = Seen { pixel, receiver, coord };
+        let looking = Looking { pixel, receiver, coord };
         let window = window.unwrap_or(DVec3::splat(f64::NAN));
-        self.judge(seen, window, answer, standing, || self.centre_depth(window))
+        self.judge(looking, window, answer, standing, || self.centre_depth(window))
     }
 
     /// Judges a receiver of known truth. `centre_depth` is asked where the receiver counts.
     pub(super) fn judge(
         &self,
-        seen: Seen,
+        looking: Looking,
         exact: DVec3,
         answer: Answer,
         standing: Standing,
         centre_depth: impl FnOnce() -> f64,
     ) -> Observation {
-        let Seen { pixel, receiver, coord } = seen;
+        let Looking { pixel, receiver, coord } = looking;
         let case = self.case();
         let taps = self.taps(&case.lookup, coord);
         let lit_taps = shadow::visibility(&case.lookup, coord, &taps, case.bias);
@@ -262,12 +267,13 @@ impl<'a> Observer<'a> {
     /// The far end of a receiver's shadow ray.
     #[must_use]
     pub fn light_end(&self, p_world: DVec3) -> DVec3 {
-        let light = &self.case().light;
-        if light.is_directional() {
-            p_world + light.view.backward() * self.tracer.reach()
-        } else {
-            light.view.position
-        }
+        self.light.of(p_world)
+    }
+
+    /// Where the shadow rays of all receivers end.
+    #[must_use]
+    pub const fn light(&self) -> LightEnd {
+        self.light
     }
 
     /// What a look-up reads at subject coordinates.
@@ -288,7 +294,7 @@ impl<'a> Observer<'a> {
         let normal = self.geometry.area_normal(receiver.triangle);
         let to_camera = case.camera.view.position - receiver.position;
         let towards_camera = if normal.dot(to_camera) < 0.0 { -normal } else { normal };
-        let to_light = case.light.direction_from(receiver.position);
+        let to_light = self.sun.unwrap_or_else(|| case.light.direction_from(receiver.position));
         if towards_camera.dot(to_light) <= 0.0 {
             Standing::FacingAway
         } else if !window.is_some_and(inside) {

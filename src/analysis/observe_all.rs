@@ -2,12 +2,16 @@
 //! texel.
 
 use super::effort::{Count, TruthBy};
-use super::foremost::{self, Foremost};
+use super::foremost::{Foremost, Seen};
 use super::observation::{Observation, Standing};
-use super::observe::{Observer, Seen, Spot};
-use crate::truth::{Answer, LightEnd, Receiver, izb};
+use super::observe::{Looking, Observer, Spot};
+use super::texels::TexelSet;
+use crate::truth::{Answer, Receiver, izb};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+
+/// Where a receiver was seen: its pixel, and the map coordinates that the subject computes there.
+type Place = ([u32; 2], [f32; 3]);
 
 /// What is known of a receiver before it is judged.
 struct Witness {
@@ -19,53 +23,45 @@ impl Observer<'_> {
     /// Judges every `step`-th covered pixel in x and y, row by row from the bottom, and counts the work.
     #[must_use]
     pub fn observe_all(&self, step: u32) -> (Vec<Observation>, Vec<Count>) {
-        let seen = self.seen(step);
-        let receivers: Vec<Receiver> = seen.iter().map(|s| s.receiver).collect();
+        let (receivers, places) = self.seen(step);
         let (answers, mut work) = self.answers(&receivers);
         let witness = |(receiver, answer): (&Receiver, &Answer)| self.witnessed(receiver, answer);
         let witnesses: Vec<Witness> = receivers.par_iter().zip(&answers).map(witness).collect();
-        let (depths, count) = self.centre_depths(&witnesses);
+        let (centres, count) = self.centre_depths(&witnesses);
         work.push(count);
         work.push(Count {
             what: "receivers on the ladder",
-            answered: seen.len() as u64,
+            answered: receivers.len() as u64,
             evaluated: witnesses.iter().filter(|w| w.standing == Standing::Counted).count() as u64,
             because: "they face away, lie outside cone or map, or have no certain truth",
         });
-        let inputs = (seen, witnesses, answers, depths);
-        let judged = inputs.into_par_iter().map(|(seen, w, answer, depth)| {
-            self.judge(seen, w.exact, answer, w.standing, || depth)
+        let all = (receivers, places, witnesses, answers);
+        let judged = all.into_par_iter().map(|(receiver, (pixel, coord), w, answer)| {
+            let looking = Looking { pixel, receiver, coord };
+            self.judge(looking, w.exact, answer, w.standing, || centres.depth(self, w.exact))
         });
         (judged.collect(), work)
     }
 
     /// The receivers under every `step`-th pixel.
-    fn seen(&self, step: u32) -> Vec<Seen> {
+    fn seen(&self, step: u32) -> (Vec<Receiver>, Vec<Place>) {
         let [width, height] = self.subject.canvas.size;
         let row = |y: u32| {
             let mut spot: Option<Spot> = None;
-            let pixel = move |x: u32| {
+            let pixel = |x: u32| {
                 let triangle = self.triangle_under(x, y)?;
                 if spot.as_ref().is_none_or(|s| s.triangle != triangle) {
                     spot = Some(Spot::new(self, triangle));
                 }
                 let (receiver, coord) = spot.as_ref()?.receiver(self, x, y);
-                Some(Seen { pixel: [x, y], receiver, coord })
+                Some((receiver, ([x, y], coord)))
             };
-            (0..width).step_by(step as usize).filter_map(pixel).collect::<Vec<_>>()
+            (0..width).step_by(step as usize).filter_map(pixel).unzip()
         };
         let rows: Vec<u32> = (0..height).step_by(step as usize).collect();
-        rows.into_par_iter().map(row).collect::<Vec<_>>().concat()
-    }
-
-    /// Where the shadow rays of all receivers end.
-    #[must_use]
-    pub fn light(&self) -> LightEnd {
-        let light = &self.case().light;
-        match light.is_directional() {
-            true => LightEnd::Along(light.view.backward() * self.tracer.reach()),
-            false => LightEnd::Point(light.view.position),
-        }
+        let (receivers, places): (Vec<Vec<Receiver>>, Vec<Vec<Place>>) =
+            rows.into_par_iter().map(row).unzip();
+        rayon::join(|| receivers.concat(), || places.concat())
     }
 
     /// What all receivers see.
@@ -88,58 +84,71 @@ impl Observer<'_> {
 
     /// Exact depths at the centres of the texels under all counted receivers; one look for a texel
     /// however many receivers lie in it.
-    fn centre_depths(&self, witnesses: &[Witness]) -> (Vec<f64>, Count) {
-        let mut depths = vec![f64::INFINITY; witnesses.len()];
-        let mut places: Vec<(u64, u32)> = witnesses
-            .par_iter()
-            .enumerate()
-            .filter(|(_, w)| w.standing == Standing::Counted)
-            .map(|(i, w)| (self.texel_key(w.exact), i as u32))
-            .collect();
-        let answered = places.len() as u64;
-        places.par_sort_unstable();
-        let groups: Vec<&[(u64, u32)]> = if self.effort.skip {
-            places.chunk_by(|a, b| a.0 == b.0).collect()
-        } else {
-            places.chunks(1).collect()
-        };
-        let centre =
-            |group: &&[(u64, u32)]| self.texel_centre(witnesses[group[0].1 as usize].exact);
-        let centres: Vec<DVec2> = groups.iter().map(centre).collect();
-        let (found, evaluated) = self.depths_at(&centres);
-        for (group, depth) in groups.iter().zip(found) {
-            group.iter().for_each(|&(_, i)| depths[i as usize] = depth);
-        }
+    fn centre_depths(&self, witnesses: &[Witness]) -> (Centres, Count) {
+        let counted = witnesses.par_iter().filter(|w| w.standing == Standing::Counted);
         let because = "receivers share texels, and f64 planes say with certainty what is first";
-        (depths, Count { what: "exact depths at texel centres", answered, evaluated, because })
-    }
-
-    /// The texel under exact map coordinates in [0,1], as one number.
-    fn texel_key(&self, exact: DVec3) -> u64 {
-        let at = (exact.truncate() * f64::from(self.case().map.size)).floor();
-        (at.y as u64) << 32 | at.x as u64
-    }
-
-    /// Exact depths of the first drawn casters at map points, and the rays traced for them.
-    fn depths_at(&self, points: &[DVec2]) -> (Vec<f64>, u64) {
+        let what = "exact depths at texel centres";
         if !self.effort.skip {
-            let depths = points.par_iter().map(|&uv| self.depth_at(uv)).collect();
-            return (depths, points.len() as u64);
+            let answered = counted.count() as u64;
+            return (Centres::Asked, Count { what, answered, evaluated: answered, because });
         }
+        let mut texels = TexelSet::new(self.case().map.size);
+        let asked = counted.map(|w| texels.insert(self.texel_of(w.exact))).count();
+        texels.count();
+        let (depths, evaluated) = self.depths_at(&texels.list());
+        let count = Count { what, answered: asked as u64, evaluated, because };
+        (Centres::Known { texels, depths }, count)
+    }
+
+    /// The texel under exact map coordinates in [0,1].
+    fn texel_of(&self, exact: DVec3) -> [u32; 2] {
+        let at = (exact.truncate() * f64::from(self.case().map.size)).floor();
+        [at.x as u32, at.y as u32]
+    }
+
+    /// Exact depths of the first drawn casters at the centres of texels, and the rays traced for them.
+    fn depths_at(&self, texels: &[[u32; 2]]) -> (Vec<f64>, u64) {
         let foremost = Foremost::new(self, self.drawn_faces);
-        let chunk = |points: &[DVec2]| {
-            let seen = foremost.at(points);
-            let rays = seen.iter().filter(|s| **s == foremost::Seen::Open).count() as u64;
-            let depth = |(seen, &uv): (foremost::Seen, &DVec2)| match seen {
-                foremost::Seen::Nothing => f64::INFINITY,
-                foremost::Seen::First(triangle) => self.depth_of(triangle, uv),
-                foremost::Seen::Open => self.depth_at(uv),
-            };
-            (seen.into_iter().zip(points).map(depth).collect::<Vec<_>>(), rays)
+        let size = f64::from(self.case().map.size);
+        let centre = |&[x, y]: &[u32; 2]| (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
+        let centres: Vec<DVec2> = texels.par_iter().map(centre).collect();
+        let depth = |seen: Seen, uv: DVec2| match seen {
+            Seen::Nothing => f64::INFINITY,
+            Seen::First(triangle) => self.depth_of(triangle, uv),
+            Seen::Open => self.depth_at(uv),
         };
-        let found: Vec<_> = points.par_chunks(foremost.chunk()).map(chunk).collect();
-        let rays = found.iter().map(|(_, rays)| rays).sum();
-        (found.into_iter().flat_map(|(depths, _)| depths).collect(), rays)
+        let found = foremost.by_block(&centres, 0.0, |block, states| {
+            foremost.look(block, DVec2::ZERO, states);
+            let seen = (0..block.index().len()).map(|place| foremost.seen(states, place));
+            let one = |(seen, &index): (Seen, &u32)| {
+                (index, depth(seen, centres[index as usize]), u64::from(seen == Seen::Open))
+            };
+            seen.zip(block.index()).map(one).collect::<Vec<_>>()
+        });
+        let (mut depths, mut rays) = (vec![0.0; centres.len()], 0);
+        for (index, depth, traced) in found.into_iter().flatten() {
+            depths[index as usize] = depth;
+            rays += traced;
+        }
+        (depths, rays)
+    }
+}
+
+/// Exact depths at the centres of texels.
+enum Centres {
+    /// Looked up for each receiver.
+    Asked,
+    /// Of each texel of a set, in its order.
+    Known { texels: TexelSet, depths: Vec<f64> },
+}
+
+impl Centres {
+    /// The depth at the centre of the texel under exact map coordinates.
+    fn depth(&self, observer: &Observer<'_>, exact: DVec3) -> f64 {
+        match self {
+            Self::Asked => observer.centre_depth(exact),
+            Self::Known { texels, depths } => depths[texels.rank(observer.texel_of(exact))],
+        }
     }
 }
 

@@ -259,6 +259,14 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     tally
 }
 
+/// The fetches of one look-up in words.
+fn fetches(filter: Filter) -> String {
+    match filter.fetches() {
+        1 => "1 fetch".into(),
+        n => format!("{n} fetches"),
+    }
+}
+
 /// The report of one request.
 #[must_use]
 pub fn report(request: &Request) -> Report {
@@ -308,8 +316,9 @@ pub fn report(request: &Request) -> Report {
     lead.push(cheap.as_ref().map_or_else(
         || "No smaller configuration meets the target.".to_string(),
         |c| format!(
-            "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {4} fetches, {5} = {6}).",
-            c.size, c.format.name(), c.filter, c.bytes, c.filter.fetches(), knob.name, significant(c.value, 4),
+            "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {4}, {5} = {6}).",
+            c.size, c.format.name(), c.filter, c.bytes, fetches(c.filter), knob.name,
+            significant(c.value, 4),
         ),
     ));
     lead.push(budget.sentence(&case.name));

@@ -18,6 +18,7 @@ pub mod probe;
 mod test;
 mod tile;
 mod tiles;
+mod tiny;
 mod triangle;
 
 use crate::depth::DepthFormat;
@@ -27,8 +28,8 @@ pub use crate::shadow::bias::PolygonOffset;
 pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
 pub use literal::draw_each;
-pub use plane::{Plane, Row, Varyings};
-pub use tiles::{draw, draw_at, draw_into};
+pub use plane::{Interpolator, Plane, Row, Varyings};
+pub use tiles::{draw, draw_at, draw_into, quickest};
 pub use triangle::Projected;
 
 /// No triangle covers the texel.

@@ -1,6 +1,6 @@
 //! A case on a device: its map pass and its camera pass, ready to be looked up pixel by pixel.
 
-use super::{NO_TRIANGLE, Pass, PolygonOffset, Raster, Setup, draw};
+use super::{Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, Setup, draw};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::scene::{Case, DepthBuffer, MatrixChain, Stages, TexelFormat};
@@ -115,15 +115,20 @@ impl<'a> Subject<'a> {
         Setup::new(&self.device, self.canvas.size, clip)
     }
 
+    /// What the camera pass interpolates over a triangle: the varying from which look-ups start.
+    #[must_use]
+    pub fn interpolator(&self, triangle: u32) -> Interpolator {
+        let corners = self.vertices.triangles[triangle as usize];
+        let clip = corners.map(|v| self.vertices.camera_clip[v as usize]);
+        let projected = Projected::new(&self.device, self.canvas.size, clip);
+        let varying = corners.map(|v| self.vertices.light_coord[v as usize]);
+        Interpolator::new(&self.device, &projected, varying)
+    }
+
     /// Map coordinates u, v and depth z that the fragment of `triangle` at a pixel computes.
     #[must_use]
     pub fn coordinate(&self, triangle: u32, px: u32, py: u32) -> [f32; 3] {
-        let corners = self.vertices.triangles[triangle as usize];
-        let varying = self.camera_setup(triangle).varyings(&self.device).vector(
-            corners.map(|v| self.vertices.light_coord[v as usize]),
-            px as f32,
-            py as f32,
-        );
+        let varying = self.interpolator(triangle).vector(px as f32, py as f32);
         self.case.lookup.coord.apply(varying)
     }
 

@@ -1,6 +1,6 @@
 //! Depth and varying planes through snapped vertices: exact, and in the measured f32 order.
 
-use super::triangle::Projected;
+use super::triangle::{self, Projected};
 use crate::device::{Device, PlaneSetup};
 use glam::{DMat3, DVec3, Vec4};
 
@@ -201,13 +201,7 @@ impl Varyings {
     /// The value at a pixel centre of a quantity given at the three vertices.
     #[must_use]
     pub fn scalar(&self, at_vertices: [f32; 3], px: f32, py: f32) -> f32 {
-        match (self.basis.plane(at_vertices, false), self.reciprocal_w) {
-            (Plane::Exact { coefficients: a }, Plane::Exact { coefficients: w }) => {
-                let pixel = DVec3::new(f64::from(px), f64::from(py), 1.0);
-                (a.dot(pixel) / w.dot(pixel)) as f32
-            }
-            (plane, w) => plane.at(px, py) * (1.0 / w.at(px, py)),
-        }
+        over_w(&self.basis.plane(at_vertices, false), &self.reciprocal_w, px, py)
     }
 
     /// [`Self::scalar`] for each component.
@@ -216,6 +210,57 @@ impl Varyings {
         let [a, b, c] = at_vertices;
         let component = |i: usize| self.scalar([a[i], b[i], c[i]], px, py);
         Vec4::new(component(0), component(1), component(2), component(3))
+    }
+}
+
+/// What a pass interpolates over one triangle, set up once for all its pixels: the receiver's own
+/// coordinates and a varying of four components. The same bits as [`Varyings::vector`].
+#[derive(Clone, Copy, Debug)]
+pub struct Interpolator {
+    homogeneous: DMat3,
+    reciprocal_w: Plane,
+    components: [Plane; 4],
+}
+
+impl Interpolator {
+    pub(super) fn new(device: &Device, p: &Projected, at_vertices: [Vec4; 3]) -> Self {
+        let homogeneous = p.homogeneous();
+        let basis = match device.setup {
+            PlaneSetup::Exact => Basis::Exact(homogeneous),
+            PlaneSetup::Measured => measured_basis(device, p),
+        };
+        let [a, b, c] = at_vertices;
+        let component = |i: usize| basis.plane([a[i], b[i], c[i]], false);
+        Self {
+            homogeneous,
+            reciprocal_w: basis.plane([1.0; 3], true),
+            components: [component(0), component(1), component(2), component(3)],
+        }
+    }
+
+    /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0,1].
+    #[must_use]
+    pub fn barycentrics(&self, px: u32, py: u32) -> DVec3 {
+        triangle::barycentrics(&self.homogeneous, f64::from(px), f64::from(py))
+    }
+
+    /// The varying at a pixel centre.
+    #[must_use]
+    pub fn vector(&self, px: f32, py: f32) -> Vec4 {
+        let [x, y, z, w] = &self.components;
+        let component = |plane: &Plane| over_w(plane, &self.reciprocal_w, px, py);
+        Vec4::new(component(x), component(y), component(z), component(w))
+    }
+}
+
+/// A plane of value/w over that of 1/w at a pixel centre.
+fn over_w(plane: &Plane, reciprocal_w: &Plane, px: f32, py: f32) -> f32 {
+    match (plane, reciprocal_w) {
+        (Plane::Exact { coefficients: a }, Plane::Exact { coefficients: w }) => {
+            let pixel = DVec3::new(f64::from(px), f64::from(py), 1.0);
+            (a.dot(pixel) / w.dot(pixel)) as f32
+        }
+        (plane, w) => plane.at(px, py) * (1.0 / w.at(px, py)),
     }
 }
 

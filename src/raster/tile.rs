@@ -4,6 +4,7 @@
 use super::NO_TRIANGLE;
 use super::plane::{Plane, Row};
 use super::test::DepthTest;
+use super::tiny::Pixels;
 use crate::simd::lanes::BATCH;
 
 /// Pixels along each side of a tile.
@@ -46,7 +47,7 @@ impl Tile {
         z: [f32; BATCH],
         id: u32,
     ) {
-        let at = y as usize * STRIDE + x as usize;
+        let at = Self::place([x, y]);
         let (keys, depth, triangle) =
             (lanes(&mut self.keys, at), lanes(&mut self.depth, at), lanes(&mut self.triangle, at));
         let z = self.test.kept(z);
@@ -64,6 +65,36 @@ impl Tile {
         *keys = pick(&wins, &codes, keys);
         *depth = pick(&wins, &bits, depth);
         *triangle = pick(&wins, &[id; BATCH], triangle);
+    }
+
+    /// Where a pixel of the tile lies.
+    #[inline(always)]
+    pub(super) fn place([x, y]: [u32; 2]) -> usize {
+        y as usize * STRIDE + x as usize
+    }
+
+    /// Tests the `covered` ones of eight pixels beside the one at `corner`, and keeps those fragments
+    /// that are nearer than what is there.
+    #[inline(always)]
+    pub(super) fn draw_each(
+        &mut self,
+        corner: usize,
+        pixels: &Pixels,
+        mut covered: u32,
+        z: [f32; BATCH],
+        id: u32,
+    ) {
+        let z = self.test.kept(z);
+        let codes = self.test.codes(z);
+        while covered != 0 {
+            let k = (covered.trailing_zeros() as usize) % BATCH;
+            covered &= covered - 1;
+            let at = corner + pixels.y[k] as usize * STRIDE + pixels.x[k] as usize;
+            if codes[k] < self.keys[at] {
+                (self.keys[at], self.depth[at]) = (codes[k], z[k].to_bits());
+                self.triangle[at] = id;
+            }
+        }
     }
 
     /// Copies a row.
@@ -102,6 +133,20 @@ pub(super) trait Surface: Copy {
 /// [`Plane::Exact`]: gradient · (px, py, 1).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exact(pub(super) [f64; 3]);
+
+impl Exact {
+    /// The depths of eight pixels beside one: what [`Surface::along`] gives each.
+    #[inline(always)]
+    pub(super) fn scattered(&self, [px, py]: [i32; 2], pixels: &Pixels) -> [f32; BATCH] {
+        let [a, b, c] = self.0;
+        let mut depths = [0.0; BATCH];
+        for k in 0..BATCH {
+            let base = b * f64::from(py.wrapping_add(pixels.y[k])) + c;
+            depths[k] = (a * f64::from(px.wrapping_add(pixels.x[k])) + base) as f32;
+        }
+        depths
+    }
+}
 
 impl Surface for Exact {
     type Row = [f64; 2];

@@ -104,11 +104,7 @@ impl Projected {
 
     /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0,1].
     pub(super) fn barycentrics(&self, px: f64, py: f64) -> DVec3 {
-        let m = self.homogeneous();
-        let pixel = DVec3::new(px, py, 1.0);
-        let weights = DVec3::new(m.x_axis.dot(pixel), m.y_axis.dot(pixel), m.z_axis.dot(pixel));
-        let clamped = weights.max(DVec3::ZERO);
-        clamped / (clamped.x + clamped.y + clamped.z)
+        barycentrics(&self.homogeneous(), px, py)
     }
 
     /// The snapped outline to be filled, counter-clockwise; `None` if culled or without area.
@@ -132,6 +128,16 @@ impl Projected {
         }
         outline.make_counter_clockwise().then_some(outline)
     }
+}
+
+/// Barycentric coordinates on a triangle with this [`Projected::homogeneous`].
+pub(super) fn barycentrics(homogeneous: &DMat3, px: f64, py: f64) -> DVec3 {
+    let pixel = DVec3::new(px, py, 1.0);
+    let along = |axis: DVec3| axis.dot(pixel);
+    let weights =
+        DVec3::new(along(homogeneous.x_axis), along(homogeneous.y_axis), along(homogeneous.z_axis));
+    let clamped = weights.max(DVec3::ZERO);
+    clamped / (clamped.x + clamped.y + clamped.z)
 }
 
 /// A convex polygon on the sub-pixel grid.

@@ -53,6 +53,22 @@ impl CompareRule {
         }
     }
 
+    /// About the smallest bias at which the literal rule says lit: where the exact sum or difference
+    /// passes the middle between two floats, so that its rounding turns the comparison. Rounded to f32,
+    /// hence off by a few of its steps; a starting point, not a promise.
+    #[must_use]
+    pub fn turning_point(self, z: f32, stored: f32) -> f32 {
+        let middle = |a: f32, b: f32| (f64::from(a) + f64::from(b)) * 0.5;
+        let exact = match self {
+            Self::ReceiverBeyond => middle(z.next_down(), z) - f64::from(stored),
+            Self::NotStoredBeyond => middle(z, z.next_up()) - f64::from(stored),
+            Self::StoredAtMost | Self::NotReceiverBefore => {
+                f64::from(z) - middle(stored.next_down(), stored)
+            }
+        };
+        exact as f32
+    }
+
     /// The same rule on exact values (f64 operands whose sums round far below the depths' ulps).
     #[must_use]
     pub fn is_lit_exact(self, z: f64, stored: f64, bias: f64) -> bool {

@@ -24,7 +24,7 @@ pub fn in_square(coord: [f32; 3]) -> bool {
 /// The smallest finite f32 bias at which the literal rule says lit; +∞ if none does, −∞ if all do.
 #[must_use]
 pub fn breakpoint(rule: CompareRule, z: f32, stored: f32) -> f32 {
-    breakpoint_where(z - stored, |bias| rule.is_lit(z, stored, bias))
+    breakpoint_where(rule.turning_point(z, stored), |bias| rule.is_lit(z, stored, bias))
 }
 
 /// The smallest finite f32 at which `is_lit`; +∞ if there is none, −∞ if it is so everywhere.
@@ -35,6 +35,13 @@ pub fn breakpoint(rule: CompareRule, z: f32, stored: f32) -> f32 {
 pub fn breakpoint_where(guess: f32, is_lit: impl Fn(f32) -> bool) -> f32 {
     let lit = |o: i32| is_lit(from_ordinal(o));
     let (lowest, highest) = (ordinal(f32::MIN), ordinal(f32::MAX));
+    if guess.abs() < f32::MAX / 2.0 {
+        let guess = ordinal(guess);
+        let turns = |o: &i32| lit(*o) && !lit(*o - 1);
+        if let Some(found) = [guess, guess + 1, guess - 1].into_iter().find(turns) {
+            return from_ordinal(found);
+        }
+    }
     if !lit(highest) {
         return f32::INFINITY;
     }

@@ -1,6 +1,7 @@
 //! The shadow map: stored texels with the triangle that drew each, and how they are read back.
 
 pub mod bias;
+mod encode;
 mod few;
 mod filter;
 mod footprint;
@@ -14,6 +15,7 @@ pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mixed_depth, read};
 pub use footprint::{Footprint, Mix, Tap};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
+use rayon::prelude::*;
 
 /// Stored texels, row by row from the bottom.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,22 +41,36 @@ impl ShadowMap {
         device: &Device,
         spec: &MapSpec,
         depth: &[f32],
-        covered: impl Fn(usize) -> bool,
+        covered: impl Fn(usize) -> bool + Sync,
     ) -> Self {
         let texels = match spec.texel {
-            TexelFormat::Packed(packing) => {
-                let clear = stored_bytes(device, spec.clear);
-                let texel = |(i, &z): (usize, &f32)| match covered(i) {
-                    true => stored_bytes(device, packing.pack(z)),
-                    false => clear,
-                };
-                Memory::Bytes(depth.iter().enumerate().map(texel).collect())
-            }
-            TexelFormat::Depth(format) => {
-                Memory::Depths(depth.iter().map(|&z| device.stored_depth(format, z)).collect())
-            }
+            TexelFormat::Packed(_) => Memory::Bytes(Vec::new()),
+            TexelFormat::Depth(_) => Memory::Depths(Vec::new()),
         };
-        Self { size: spec.size, format: spec.texel, texels }
+        let mut map = Self { size: spec.size, format: spec.texel, texels };
+        map.store_again(device, spec, depth, covered);
+        map
+    }
+
+    /// [`Self::store`] over an older map, whose memory is used again.
+    pub fn store_again(
+        &mut self,
+        device: &Device,
+        spec: &MapSpec,
+        depth: &[f32],
+        covered: impl Fn(usize) -> bool + Sync,
+    ) {
+        (self.size, self.format) = (spec.size, spec.texel);
+        match (spec.texel, &mut self.texels) {
+            (TexelFormat::Packed(packing), Memory::Bytes(bytes)) => {
+                let clear = stored_bytes(device, spec.clear);
+                encode::bytes(device, packing, depth, clear, covered, bytes);
+            }
+            (TexelFormat::Depth(format), Memory::Depths(depths)) => {
+                encode::depths(device, format, depth, depths);
+            }
+            _ => *self = Self::store(device, spec, depth, covered),
+        }
     }
 
     /// A map of ideal precision: the raster's own f32 depths, cleared to `clear`.
@@ -63,10 +79,10 @@ impl ShadowMap {
         size: u32,
         depth: &[f32],
         clear: f32,
-        covered: impl Fn(usize) -> bool,
+        covered: impl Fn(usize) -> bool + Sync,
     ) -> Self {
         let texel = |(i, &z): (usize, &f32)| if covered(i) { z } else { clear };
-        let depths = depth.iter().enumerate().map(texel).collect();
+        let depths = depth.par_iter().enumerate().map(texel).collect();
         Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Memory::Depths(depths) }
     }
 

@@ -82,7 +82,7 @@ impl Tracer {
     fn planted(mut self) -> Self {
         if self.leaves.len() >= BRUTE && self.scale.is_normal() {
             let boxes: Vec<_> = self.leaves.iter().map(|leaf| self.padded_box(leaf)).collect();
-            let bvh = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default());
+            let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Default::default());
             let order = &bvh.primitive_indices;
             let leaf = |&k: &u32| Leaf { ..self.leaves[k as usize] };
             self.leaves = order.iter().map(leaf).collect();

@@ -1,4 +1,5 @@
 //! Receivers sorted into the cells of a light-space grid: a stable counting sort.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -6,6 +7,8 @@ use rayon::prelude::*;
 
 use super::super::Receiver;
 use super::frame::Frame;
+use crate::simd::lanes::{BATCH, Lanes};
+use crate::simd::{Kernel, Level};
 
 /// Vectors read this many receivers at once, so arrays are padded by as many.
 pub(super) const LANES: usize = 16;
@@ -32,33 +35,24 @@ pub(super) struct Bins {
     pub(super) cells: usize,
 }
 
-/// A receiver before sorting.
-#[derive(Clone, Copy, Default)]
-struct Placed {
-    x: f32,
-    y: f32,
-    depth: f32,
-    own: u32,
-}
-
-impl Placed {
-    #[inline(always)]
-    fn cell(self, cells: usize) -> usize {
-        let clamp = |x: f32| (x.max(0.0) as usize).min(cells - 1);
-        clamp(self.y) * cells + clamp(self.x)
-    }
-}
-
 impl Bins {
     /// Sorts the receivers that `members` names.
-    pub(super) fn new(frame: &Frame, receivers: &[Receiver], members: Members) -> Self {
-        let cells = frame.cells;
+    pub(super) fn new(
+        frame: &Frame,
+        receivers: &[Receiver],
+        members: Members,
+        level: Level,
+    ) -> Self {
         let chunk = members.len().div_ceil(rayon::current_num_threads()).max(1);
-        let placed = placed(frame, receivers, members, chunk);
-        let (start, mut cursors) = offsets(&placed, chunk, cells);
-        let order = sorted(&placed, chunk, cells, &mut cursors);
-        let mut bins = Self { start, cells, ..Self::default() };
-        bins.fill(order, &placed, members);
+        let mut cell_of = vec![0_u32; members.len()];
+        let count = |(k, cell_of): (usize, &mut [u32])| {
+            level.run(Count { frame, receivers, members, first: k * chunk, cell_of })
+        };
+        let counts = cell_of.par_chunks_mut(chunk).enumerate().map(count).collect();
+        let (start, cursors) = offsets(counts, frame.cells);
+        let index = sorted(&cell_of, chunk, cursors);
+        let mut bins = Self { start, index, cells: frame.cells, ..Self::default() };
+        bins.fill(frame, receivers, members, level);
         bins.farthest = bins.farthest_by_block();
         bins
     }
@@ -68,22 +62,18 @@ impl Bins {
         self.cells.div_ceil(BLOCK)
     }
 
-    /// Puts the receivers into their order, all arrays in one pass.
-    fn fill(&mut self, order: Vec<AtomicU32>, placed: &[Placed], members: Members) {
-        const RUN: usize = 1 << 16;
-        let n = order.len();
-        self.index = order.into_iter().map(AtomicU32::into_inner).collect();
+    /// Places the receivers in their order.
+    fn fill(&mut self, frame: &Frame, receivers: &[Receiver], members: Members, level: Level) {
+        const RUN: usize = 1 << 14;
+        let n = self.index.len();
         (self.x, self.y) = (vec![0.0; n + LANES], vec![0.0; n + LANES]);
         (self.depth, self.own) = (vec![0.0; n + LANES], vec![0; n + LANES]);
         let places = self.x.par_chunks_mut(RUN).zip(self.y.par_chunks_mut(RUN));
         let others = self.depth.par_chunks_mut(RUN).zip(self.own.par_chunks_mut(RUN));
         let runs = self.index.par_chunks_mut(RUN).zip(places.zip(others));
         runs.for_each(|(index, ((x, y), (depth, own)))| {
-            for (k, index) in index.iter_mut().enumerate() {
-                let at = placed[*index as usize];
-                (x[k], y[k], depth[k], own[k]) = (at.x, at.y, at.depth, at.own);
-                *index = members.index(*index as usize) as u32;
-            }
+            index.iter_mut().for_each(|k| *k = members.index(*k as usize) as u32);
+            level.run(Fill { frame, receivers, index, x, y, depth, own });
         });
     }
 
@@ -121,6 +111,18 @@ pub(super) enum Members<'a> {
 }
 
 impl Members<'_> {
+    /// The positions of the next `count` members from `at` on, the last one again in the lanes that
+    /// are left.
+    #[inline(always)]
+    pub(super) fn positions(self, receivers: &[Receiver], at: usize, count: usize) -> [Lanes; 3] {
+        let mut p = [Lanes::splat(0.0); 3];
+        for k in 0..BATCH {
+            let position = receivers[self.index(at + k.min(count - 1))].position;
+            (p[0].0[k], p[1].0[k], p[2].0[k]) = (position.x, position.y, position.z);
+        }
+        p
+    }
+
     pub(super) fn len(self) -> usize {
         match self {
             Self::All(len) => len,
@@ -137,26 +139,78 @@ impl Members<'_> {
     }
 }
 
-/// Light-space places in the order of `members`.
-fn placed(frame: &Frame, receivers: &[Receiver], members: Members, chunk: usize) -> Vec<Placed> {
-    let place = |k: usize| {
-        let receiver = &receivers[members.index(k)];
-        let [x, y, depth] = frame.place(receiver.position).map(|x| x as f32);
-        Placed { x, y, depth, own: receiver.triangle }
-    };
-    let mut placed = Vec::new();
-    (0..members.len()).into_par_iter().with_min_len(chunk).map(place).collect_into_vec(&mut placed);
-    placed
+/// Counts the receivers in each cell, and notes the cell of each.
+struct Count<'a> {
+    frame: &'a Frame,
+    receivers: &'a [Receiver],
+    members: Members<'a>,
+    first: usize,
+    cell_of: &'a mut [u32],
+}
+
+impl Kernel for Count<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn run(self, _: bool) -> Vec<u32> {
+        let cells = self.frame.cells as i32;
+        let mut counts = vec![0_u32; self.frame.cells * self.frame.cells];
+        for (run, cell_of) in self.cell_of.chunks_mut(BATCH).enumerate() {
+            let at = self.first + run * BATCH;
+            let p = self.members.positions(self.receivers, at, cell_of.len());
+            let [x, y, _] = self.frame.eight(&p).places();
+            let (x, y) = (x.narrow(), y.narrow());
+            let mut cell = [0; BATCH];
+            for k in 0..BATCH {
+                let (x, y) = (x[k] as i32, y[k] as i32);
+                let (x, y) = (x.clamp(0, cells - 1), y.clamp(0, cells - 1));
+                cell[k] = y.wrapping_mul(cells).wrapping_add(x) as u32;
+            }
+            for (k, cell_of) in cell_of.iter_mut().enumerate() {
+                *cell_of = cell[k];
+                let count = &mut counts[cell[k] as usize];
+                *count = count.wrapping_add(1);
+            }
+        }
+        counts
+    }
+}
+
+/// Places the receivers that `index` names.
+struct Fill<'a> {
+    frame: &'a Frame,
+    receivers: &'a [Receiver],
+    index: &'a [u32],
+    x: &'a mut [f32],
+    y: &'a mut [f32],
+    depth: &'a mut [f32],
+    own: &'a mut [u32],
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self, _: bool) {
+        let named = Members::Some(self.index);
+        for at in (0..self.index.len()).step_by(BATCH) {
+            let count = (self.index.len() - at).min(BATCH);
+            let p = named.positions(self.receivers, at, count);
+            let [x, y, depth] = self.frame.eight(&p).places();
+            let (x, y, depth) = (x.narrow(), y.narrow(), depth.narrow());
+            let end = at + count;
+            self.x[at..end].copy_from_slice(&x[..count]);
+            self.y[at..end].copy_from_slice(&y[..count]);
+            self.depth[at..end].copy_from_slice(&depth[..count]);
+            for (own, &k) in self.own[at..end].iter_mut().zip(&self.index[at..end]) {
+                *own = self.receivers[k as usize].triangle;
+            }
+        }
+    }
 }
 
 /// Where each cell starts, and where each chunk's first receiver of each cell goes.
-fn offsets(placed: &[Placed], chunk: usize, cells: usize) -> (Vec<u32>, Vec<Vec<u32>>) {
-    let count = |placed: &[Placed]| {
-        let mut counts = vec![0_u32; cells * cells];
-        placed.iter().for_each(|p| counts[p.cell(cells)] += 1);
-        counts
-    };
-    let mut cursors: Vec<Vec<u32>> = placed.par_chunks(chunk).map(count).collect();
+fn offsets(mut cursors: Vec<Vec<u32>>, cells: usize) -> (Vec<u32>, Vec<Vec<u32>>) {
     let mut start = Vec::with_capacity(cells * cells + 1);
     let mut sum = 0;
     for cell in 0..cells * cells {
@@ -170,23 +224,19 @@ fn offsets(placed: &[Placed], chunk: usize, cells: usize) -> (Vec<u32>, Vec<Vec<
     (start, cursors)
 }
 
-/// For each place in the sorted order the position in `placed`. Places are disjoint between
-/// chunks; atomics only say so in safe code.
-fn sorted(
-    placed: &[Placed],
-    chunk: usize,
-    cells: usize,
-    cursors: &mut [Vec<u32>],
-) -> Vec<AtomicU32> {
+/// For each place in the sorted order the member. Places are disjoint between chunks; atomics only
+/// say so in safe code.
+fn sorted(cell_of: &[u32], chunk: usize, mut cursors: Vec<Vec<u32>>) -> Vec<u32> {
     let mut order = Vec::new();
-    let zeros = (0..placed.len()).into_par_iter().with_min_len(1 << 16);
+    let zeros = (0..cell_of.len()).into_par_iter().with_min_len(1 << 16);
     zeros.map(|_| AtomicU32::new(0)).collect_into_vec(&mut order);
-    placed.par_chunks(chunk).zip(cursors).enumerate().for_each(|(c, (placed, cursor))| {
-        for (k, p) in placed.iter().enumerate() {
-            let place = &mut cursor[p.cell(cells)];
+    let chunks = cell_of.par_chunks(chunk).zip(&mut cursors).enumerate();
+    chunks.for_each(|(c, (cell_of, cursor))| {
+        for (k, &cell) in cell_of.iter().enumerate() {
+            let place = &mut cursor[cell as usize];
             order[*place as usize].store((c * chunk + k) as u32, Relaxed);
             *place += 1;
         }
     });
-    order
+    order.into_iter().map(AtomicU32::into_inner).collect()
 }

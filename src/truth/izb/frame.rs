@@ -6,11 +6,17 @@
 //! vertices `(x, y, z)` with a weight `q`, such that over a triangle with barycentric (cone)
 //! coordinates `b`, `(X, Y, 1) = sum b v` and the depth is `sum b q`.
 
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
+
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::{LightEnd, Receiver};
 use super::bins::Members;
+use crate::simd::lanes::{BATCH, Lanes};
+use crate::simd::{Kernel, Level};
 
 /// A receiver farther from the axis than this many times its height does not belong to the frame.
 const WIDEST: f64 = 4.0;
@@ -46,8 +52,6 @@ pub(super) struct Vertex {
     pub(super) v: DVec3,
     /// Weight of the depth.
     pub(super) q: f64,
-    /// The largest |coordinate| relative to the origin of the frame, in world units.
-    pub(super) far: f64,
 }
 
 impl Frame {
@@ -98,32 +102,33 @@ impl Frame {
 
     #[inline(always)]
     fn holds_vertex(&self, vertex: &Vertex) -> bool {
-        let Vertex { v, q, .. } = *vertex;
+        let Vertex { v, q } = *vertex;
         let sideways = v.x.abs().max(v.y.abs());
         if self.is_point {
             v.z > 1e-12 && v.z < FARTHEST && sideways <= WIDEST * v.z
         } else {
-            sideways < FARTHEST && q.abs() < FARTHEST
+            sideways <= FARTHEST && q.abs() < FARTHEST
         }
     }
 
     /// The box around the places of the receivers; none unless all are held.
-    pub(super) fn survey(&self, receivers: &[Receiver], members: Members) -> Option<[DVec3; 2]> {
+    pub(super) fn survey(
+        &self,
+        receivers: &[Receiver],
+        members: Members,
+        level: Level,
+    ) -> Option<[DVec3; 2]> {
+        const RUN: usize = 1 << 16;
         let nothing = || Some([DVec3::INFINITY, DVec3::NEG_INFINITY]);
         let join = |a: Option<[DVec3; 2]>, b: Option<[DVec3; 2]>| {
             let ([al, ah], [bl, bh]) = (a?, b?);
             Some([al.min(bl), ah.max(bh)])
         };
-        (0..members.len())
-            .into_par_iter()
-            .with_min_len(1 << 16)
-            .fold(nothing, |all, k| {
-                let vertex = self.vertex(receivers[members.index(k)].position);
-                let [low, high] = all?;
-                let at = DVec3::from_array(vertex.place());
-                self.holds_vertex(&vertex).then(|| [lesser(low, at), greater(high, at)])
-            })
-            .reduce(nothing, join)
+        let one = |run: usize| {
+            let range = run * RUN..((run + 1) * RUN).min(members.len());
+            level.run(Survey { frame: self, receivers, members, range })
+        };
+        (0..members.len().div_ceil(RUN)).into_par_iter().map(one).reduce(nothing, join)
     }
 
     /// The same frame with a grid of `cells * cells` over the box of its receivers.
@@ -153,18 +158,44 @@ impl Frame {
     pub(super) fn vertex(&self, p_world: DVec3) -> Vertex {
         let r = p_world - self.origin;
         let [x, y, z] = self.rows.map(|row| row.dot(r));
-        let far = r.abs().max_element();
         if self.is_point {
-            Vertex { v: DVec3::new(x, y, z), q: 1.0, far }
+            Vertex { v: DVec3::new(x, y, z), q: 1.0 }
         } else {
-            Vertex { v: DVec3::new(x + self.shift[0], y + self.shift[1], 1.0), q: -z, far }
+            Vertex { v: DVec3::new(x + self.shift[0], y + self.shift[1], 1.0), q: -z }
         }
     }
 
-    /// Grid position and depth of a world point in front of the light.
+    /// Eight world points as homogeneous vertices: lane by lane what [`Self::vertex`] gives.
     #[inline(always)]
-    pub(super) fn place(&self, p_world: DVec3) -> [f64; 3] {
-        self.vertex(p_world).place()
+    pub(super) fn eight(&self, p_world: &[Lanes; 3]) -> Eight {
+        let r = [
+            p_world[0] - Lanes::splat(self.origin.x),
+            p_world[1] - Lanes::splat(self.origin.y),
+            p_world[2] - Lanes::splat(self.origin.z),
+        ];
+        let far = r[0].abs().max(r[1].abs()).max(r[2].abs());
+        let (x, y, z) = (along(self.rows[0], &r), along(self.rows[1], &r), along(self.rows[2], &r));
+        if self.is_point {
+            return Eight { v: [x, y, z], q: Lanes::splat(1.0), far };
+        }
+        let (x, y) = (x + Lanes::splat(self.shift[0]), y + Lanes::splat(self.shift[1]));
+        Eight { v: [x, y, Lanes::splat(1.0)], q: z * -1.0, far }
+    }
+
+    /// Whether all of eight receivers can be seen in this frame, as [`Self::holds`] tells.
+    #[inline(always)]
+    fn holds_eight(&self, eight: &Eight) -> bool {
+        let Eight { v: [x, y, z], q, .. } = eight;
+        let mut holds = true;
+        for k in 0..BATCH {
+            let (x, y, z) = (x.0[k].abs(), y.0[k].abs(), z.0[k]);
+            let (widest, deep) = match self.is_point {
+                true => (WIDEST * z, (z > 1e-12) & (z < FARTHEST)),
+                false => (FARTHEST, q.0[k].abs() < FARTHEST),
+            };
+            holds &= deep & (x <= widest) & (y <= widest);
+        }
+        holds
     }
 
     /// Above this depth a candidate's order along the segment is not judged by depth: the error of
@@ -175,23 +206,61 @@ impl Frame {
     }
 }
 
-impl Vertex {
-    /// Grid position and depth.
+/// Eight vertices in light space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eight {
+    pub(super) v: [Lanes; 3],
+    pub(super) q: Lanes,
+    /// The largest |coordinate| relative to the origin of the frame, in world units.
+    pub(super) far: Lanes,
+}
+
+impl Eight {
+    /// Grid positions and depths.
     #[inline(always)]
-    pub(super) fn place(&self) -> [f64; 3] {
-        let inverse = 1.0 / self.v.z;
-        [self.v.x * inverse, self.v.y * inverse, self.q * inverse]
+    pub(super) fn places(&self) -> [Lanes; 3] {
+        let inverse = self.v[2].recip();
+        [self.v[0] * inverse, self.v[1] * inverse, self.q * inverse]
     }
 }
 
-/// The lesser coordinates, in one instruction each: `DVec3::min` also looks for NaN.
 #[inline(always)]
-fn lesser(a: DVec3, b: DVec3) -> DVec3 {
-    let pick = |a: f64, b: f64| if a < b { a } else { b };
-    DVec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z))
+fn along(row: DVec3, r: &[Lanes; 3]) -> Lanes {
+    r[0] * row.x + r[1] * row.y + r[2] * row.z
 }
 
-#[inline(always)]
-fn greater(a: DVec3, b: DVec3) -> DVec3 {
-    -lesser(-a, -b)
+/// The box around the places of the receivers of a range of members; none unless all are held.
+struct Survey<'a> {
+    frame: &'a Frame,
+    receivers: &'a [Receiver],
+    members: Members<'a>,
+    range: Range<usize>,
+}
+
+impl Kernel for Survey<'_> {
+    type Output = Option<[DVec3; 2]>;
+
+    #[inline(always)]
+    fn run(self, _: bool) -> Self::Output {
+        let (mut low, mut high) = ([f64::INFINITY; BATCH * 3], [f64::NEG_INFINITY; BATCH * 3]);
+        let mut holds = true;
+        for at in self.range.clone().step_by(BATCH) {
+            let count = (self.range.end - at).min(BATCH);
+            let eight = self.frame.eight(&self.members.positions(self.receivers, at, count));
+            holds &= self.frame.holds_eight(&eight);
+            let places = eight.places();
+            for axis in 0..3 {
+                for k in 0..BATCH {
+                    let (x, i) = (places[axis].0[k], axis * BATCH + k);
+                    low[i] = if x < low[i] { x } else { low[i] };
+                    high[i] = if x > high[i] { x } else { high[i] };
+                }
+            }
+        }
+        let end = |values: &[f64], of: fn(f64, f64) -> f64| {
+            let along = |axis: usize| values[axis * BATCH..][..BATCH].iter().copied().reduce(of);
+            [along(0), along(1), along(2)].map(|x| x.unwrap_or(0.0))
+        };
+        holds.then(|| [end(&low, f64::min).into(), end(&high, f64::max).into()])
+    }
 }

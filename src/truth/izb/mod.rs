@@ -13,13 +13,14 @@
 //! triangles farther from the light than all receivers of their cells, and hits that lie, by more
 //! than their bounds, between the occluders already known.
 //!
-//! Memory: 52 bytes a vertex, 48 a receiver and 4 a cell (8 and more on several threads) beside the
+//! Memory: 12 bytes a vertex, 32 a receiver and 8 a cell (12 and more on several threads) beside the
 //! answers (40 each); nothing a triangle.
 
 mod bins;
 mod frame;
 mod setup;
 mod sweep;
+mod vertices;
 mod work;
 
 use glam::DVec3;
@@ -32,8 +33,8 @@ use crate::scene::Geometry;
 use crate::simd::Level;
 use bins::{Bins, Members};
 use frame::Frame;
-use setup::Vertices;
 use sweep::{Chunk, Found, Known, Shared, State};
+use vertices::Vertices;
 pub use work::{Skips, Work};
 
 /// Receivers per cell, on average. Fewer make the grid outgrow the caches, more make small
@@ -144,7 +145,7 @@ impl Job<'_> {
                 None => Members::All(self.receivers.len()),
                 Some(left) => Members::Some(left),
             };
-            if let Some(range) = frame.survey(self.receivers, members) {
+            if let Some(range) = frame.survey(self.receivers, members, self.options.level) {
                 self.run(&frame, range, members, answers);
                 return Vec::new();
             }
@@ -152,7 +153,7 @@ impl Job<'_> {
             let all = (0..members.len()).map(|k| members.index(k) as u32);
             let (inside, outside): (Vec<u32>, Vec<u32>) = all.partition(held);
             let members = Members::Some(&inside);
-            if let Some(range) = frame.survey(self.receivers, members) {
+            if let Some(range) = frame.survey(self.receivers, members, self.options.level) {
                 self.run(&frame, range, members, answers);
             }
             left = Some(outside);
@@ -183,8 +184,8 @@ impl Job<'_> {
         }
         let side = ((members.len() / PER_CELL) as f64).sqrt() as usize;
         let frame = &frame.with_grid(range, side.clamp(1, 4096));
-        let bins = &Bins::new(frame, self.receivers, members);
-        let vertices = &Vertices::new(frame, self.geometry);
+        let bins = &Bins::new(frame, self.receivers, members, self.options.level);
+        let vertices = &Vertices::new(frame, self.geometry, self.options.level);
         let known = &Known::new(bins.index.len());
         let Self { geometry, receivers, light, .. } = *self;
         let extent = self.space.extent;

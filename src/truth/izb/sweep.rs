@@ -9,7 +9,8 @@ use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, LANES};
 use super::frame::Frame;
-use super::setup::{Batch, Item, Plane, Vertices};
+use super::setup::{Batch, Plane};
+use super::vertices::{Item, Vertices};
 use super::work::{Skips, Work};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
@@ -25,7 +26,7 @@ pub(super) struct Shared<'a> {
     pub(super) extent: f64,
     pub(super) frame: &'a Frame,
     pub(super) bins: &'a Bins,
-    pub(super) vertices: &'a Vertices,
+    pub(super) vertices: &'a Vertices<'a>,
     pub(super) known: &'a Known,
     pub(super) skips: Skips,
 }
@@ -97,7 +98,7 @@ impl Kernel for Chunk<'_> {
             let corners = geometry.triangles[id as usize];
             self.found.work.triangles += 1;
             match vertices.item(corners, bins, skips) {
-                Ok(item) => vertices.load(&mut batch, id, corners, item),
+                Ok(item) => batch.push(id, vertices.corners(corners), item),
                 Err(skipped) => self.found.work.skip(skipped),
             }
             if batch.len == BATCH {
@@ -131,16 +132,15 @@ impl Chunk<'_> {
             let mut at = run.start;
             while at < run.end {
                 let lanes = (run.end - at).min(LANES);
-                let tests = Tests::new(plane, bins, at);
-                let mut candidates = tests.candidates() & (u32::MAX >> (32 - lanes));
-                if candidates != 0 {
-                    candidates &= others(load(&bins.own, at), id);
-                }
-                while candidates != 0 {
-                    let lane = candidates.trailing_zeros() as usize;
-                    candidates &= candidates - 1;
-                    let test = (tests.inside[lane], tests.nearer[lane]);
-                    self.candidate(id, plane.depth_error, test, at + lane);
+                if any(plane, bins, at, lanes, id) {
+                    let tests = Tests::new(plane, bins, at);
+                    let own = load(&bins.own, at);
+                    for lane in 0..lanes {
+                        let test = (tests.inside[lane], tests.nearer[lane]);
+                        if (test.0 >= -1.0) & (test.1 >= -1.0) & (own[lane] != id) {
+                            self.candidate(id, plane.depth_error, test, at + lane);
+                        }
+                    }
                 }
                 at += lanes;
             }
@@ -247,29 +247,22 @@ impl Tests {
         }
         tests
     }
+}
 
-    /// One bit for each receiver that may be shadowed.
-    #[inline(always)]
-    fn candidates(&self) -> u32 {
-        let mut bits = 0;
-        for k in 0..LANES {
-            bits |= u32::from(self.inside[k] >= -1.0 && self.nearer[k] >= -1.0) << k;
-        }
-        bits
+/// Whether any of so many receivers that do not lie on triangle `id` may be shadowed by it.
+#[inline(always)]
+fn any(plane: &Plane, bins: &Bins, at: usize, lanes: usize, id: u32) -> bool {
+    let tests = Tests::new(plane, bins, at);
+    let own = load(&bins.own, at);
+    let mut any = false;
+    for k in 0..LANES {
+        let meets = (tests.inside[k] >= -1.0) & (tests.nearer[k] >= -1.0);
+        any |= meets & (own[k] != id) & ((k as u32) < lanes as u32);
     }
+    any
 }
 
 #[inline(always)]
 fn load<T>(values: &[T], at: usize) -> &[T; LANES] {
     values[at..at + LANES].first_chunk().expect("as long as that")
-}
-
-/// One bit for each receiver that does not lie on triangle `id`.
-#[inline(always)]
-fn others(own: &[u32; LANES], id: u32) -> u32 {
-    let mut bits = 0;
-    for k in 0..LANES {
-        bits |= u32::from(own[k] != id) << k;
-    }
-    bits
 }
