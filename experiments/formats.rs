@@ -30,8 +30,9 @@ fn main() -> ExitCode {
 fn body(args: &Args) -> Result<()> {
     args.common.start()?;
     let cases = plan::cases_named(&args.case)?;
-    let bar = Progress::new(cases.len(), "measuring");
-    let report = formats::report(&cases, args.common.profile(), args.common.seed, || bar.step());
-    bar.finish();
-    args.common.finish(&report).map(|_| ())
+    let measure = || {
+        let bar = Progress::new(cases.len(), "measuring");
+        Ok(formats::report(&cases, args.common.profile(), args.common.seed, || bar.step()))
+    };
+    args.common.publish("formats", measure).map(|_| ())
 }

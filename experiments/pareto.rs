@@ -69,13 +69,15 @@ fn body(args: &Args) -> Result<()> {
         let fix = "name a file elsewhere";
         return Err(Error::bad_input("--times", "lies in the report's folder", fix));
     }
-    let bar = Progress::new(plan.cases.len() * plan.sizes.len(), "sweeping");
-    let entries = pareto::entries(&plan, || bar.step());
-    bar.finish();
-    let ways: Vec<_> =
-        plan.cases.iter().map(|c| (c.name.clone(), algorithms::ways(c, step))).collect();
     let (profile, seed) = (args.common.profile(), args.common.seed);
-    args.common.finish(&report(&plan, &entries, &ways, profile, seed))?;
+    let mut ways: Vec<_> = Vec::new();
+    let measure = || {
+        let bar = Progress::new(plan.cases.len() * plan.sizes.len(), "sweeping");
+        let entries = pareto::entries(&plan, || bar.step());
+        ways.extend(plan.cases.iter().map(|c| (c.name.clone(), algorithms::ways(c, step))));
+        Ok(report(&plan, &entries, &ways, profile, seed))
+    };
+    args.common.publish("pareto", measure)?;
     let Some(path) = &args.times else { return Ok(()) };
     let times = plan.cases.iter().zip(&ways).map(|(c, (_, w))| time::times(c, &args.filter, w));
     let times: Vec<_> = times.collect();

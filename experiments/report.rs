@@ -69,10 +69,12 @@ fn main() -> ExitCode {
 fn measure(common: &Common, what: &Ask) -> Result<()> {
     common.start()?;
     let options = what.options(common.profile(), common.seed)?;
-    let progress = Progress::new(options.cases()?.len(), "measuring");
-    let report = documents::report(&options, || progress.step())?;
-    progress.finish();
-    common.finish(&report)?;
+    let cases = options.cases()?.len();
+    let measure = || {
+        let progress = Progress::new(cases, "measuring");
+        documents::report(&options, || progress.step())
+    };
+    common.publish("documents", measure)?;
     Ok(())
 }
 

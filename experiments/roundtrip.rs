@@ -69,10 +69,11 @@ fn main() -> ExitCode {
             pair: arguments.pair.as_deref().map(read_pair).transpose()?,
             fraction: fraction(arguments.fraction)?,
         };
-        let progress = Progress::new(options.steps(), "certifying");
-        let report = report::report(&options, || progress.step());
-        progress.finish();
-        arguments.common.finish(&report)?;
+        let certify = || {
+            let progress = Progress::new(options.steps(), "certifying");
+            Ok(report::report(&options, || progress.step()))
+        };
+        arguments.common.publish("roundtrip", certify)?;
         Ok(())
     })
 }

@@ -3,7 +3,6 @@
 use clap::Parser;
 use gnomon::Result;
 use gnomon::harness::{self, Common, Progress};
-use gnomon::output::Lock;
 use gnomon::stress::{self, document};
 use std::process::ExitCode;
 
@@ -32,11 +31,11 @@ fn main() -> ExitCode {
 
 fn stress_all(common: &Common) -> Result<()> {
     common.start()?;
-    let _held = Lock::hold(&common.folder("stress"))?;
     let options = document::Options { profile: common.profile(), seed: common.seed };
-    let progress = Progress::new(stress::count(), "stressing");
-    let report = document::report(&options, || progress.step());
-    progress.finish();
-    common.finish(&report)?;
+    let stress = || {
+        let progress = Progress::new(stress::count(), "stressing");
+        Ok(document::report(&options, || progress.step()))
+    };
+    common.publish("stress", stress)?;
     Ok(())
 }

@@ -63,8 +63,8 @@ fn body(args: &Args) -> Result<()> {
     let (engine, profile, seed) = (args.engine, args.common.profile(), args.common.seed);
     let max_acne = gate::share(&args.max_acne)?;
     let command = Common::command("gnomon-tune");
-    let report = tune::report(&Request { case, engine, max_acne, profile, seed, command });
-    args.common.finish(&report)?;
+    let request = Request { case, engine, max_acne, profile, seed, command };
+    let (report, _) = args.common.publish("tune", || Ok(tune::report(&request)))?;
     if args.common.json.as_deref() == Some(Path::new("-")) {
         return Ok(());
     }

@@ -13,7 +13,7 @@ pub use signals::interrupted;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::num;
-use crate::output::journal;
+use crate::output::{Lock, journal};
 use crate::report::{Profile, Report, Table, Written, write_index};
 use crate::{Error, Result};
 
@@ -100,13 +100,36 @@ impl Common {
         rayon::broadcast(|_| num::check_float_mode()).into_iter().collect()
     }
 
+    /// Makes a report and [`Self::finish`]es it. Its folder is held from before the work until the
+    /// files are there, so that a second process on it is refused at once, not after its work. Call it
+    /// once the user's input is known to be good: it makes the folder.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] where another process holds the folder, what `make` refuses, and as
+    /// [`Self::finish`].
+    pub fn publish(
+        &self,
+        name: &str,
+        make: impl FnOnce() -> Result<Report>,
+    ) -> Result<(Report, Written)> {
+        let _held = Lock::hold(&self.folder(name))?;
+        let report = make()?;
+        let written = self.finish(&report)?;
+        Ok((report, written))
+    }
+
     /// Writes the report (and `--json`), prints its summary table and where the page is. The index
     /// over all reports follows where the report's folder is the usual one.
+    ///
+    /// # Panics
+    /// Where the folder was not held during the work, by [`Self::publish`] or by a [`Division`].
     ///
     /// # Errors
     /// As [`Report::write`], and [`Error::Write`] for `--json`.
     pub fn finish(&self, report: &Report) -> Result<Written> {
-        let written = report.write(&self.folder(&report.name))?;
+        let folder = self.folder(&report.name);
+        assert!(Lock::is_held(&folder), "the folder of a report is held while it is made");
+        let written = report.write(&folder)?;
         if self.out.is_none() {
             write_index(Path::new("reports"))?;
         }

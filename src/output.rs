@@ -313,7 +313,9 @@ impl Lock {
         Self::at(folder, &format!(".{file}.lock.tmp"))
     }
 
-    fn is_held(folder: &Path) -> bool {
+    /// Whether this process holds the folder for a run.
+    #[must_use]
+    pub fn is_held(folder: &Path) -> bool {
         fs::canonicalize(folder).is_ok_and(|real| held().contains(&real))
     }
 

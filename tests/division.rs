@@ -3,7 +3,11 @@
 #[path = "support/sweeping.rs"]
 mod sweeping;
 
-use gnomon::harness::Shard;
+use gnomon::analysis::sweep::{self, Plan, Range, plan, shard};
+use gnomon::harness::{Common, Division, Done, Job, Shard};
+use gnomon::report::Profile;
+use gnomon::shadow::bias::Strategy;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -174,4 +178,100 @@ fn the_second_of_two_processes_is_refused_within_a_second() {
     first.kill().unwrap();
     first.wait().unwrap();
     expect(&run_in(out.path(), &[]), 0);
+}
+
+fn common(out: &Path) -> Common {
+    let out = Some(out.to_path_buf());
+    Common { out, json: None, quick: true, full: false, threads: None, seed: 1, verify: None }
+}
+
+fn job() -> Job {
+    let items = ["zero", "one", "two", "three", "four"].map(String::from).to_vec();
+    Job { name: "work", key: "k".into(), items }
+}
+
+/// Runs the job; item 2 panics where `broken`. Also says which items were computed.
+fn work(division: &Division, out: &Path, broken: bool) -> (gnomon::Result<Option<Done>>, Vec<u32>) {
+    let computed = RefCell::new(Vec::new());
+    let done = division.run(&common(out), &job(), |item| {
+        computed.borrow_mut().push(item);
+        assert!(!(broken && item == 2), "item {item} fell\nover");
+        vec![item as u8; 3]
+    });
+    (done, computed.into_inner())
+}
+
+fn finished(done: &Done) -> Vec<u32> {
+    done.results().into_keys().collect()
+}
+
+/// R41.
+#[test]
+fn a_panicking_item_fails_alone_and_is_tried_again() {
+    let out = tempfile::tempdir().unwrap();
+    let (done, computed) = work(&Division::default(), out.path(), true);
+    let done = done.unwrap().unwrap();
+    assert_eq!((computed, finished(&done)), (vec![0, 1, 2, 3, 4], vec![0, 1, 3, 4]));
+    assert_eq!(done.failures, ["two: panicked: item 2 fell over"]);
+    assert!(done.warnings()[0].text.contains("two: panicked"), "{:?}", done.warnings());
+    let error = done.close().unwrap_err();
+    assert!(error.exit_code() == 3 && error.to_string().contains("two: panicked"), "{error}");
+    // What was done is kept: the item that failed is computed again, and it alone.
+    let resume = Division { resume: true, ..Division::default() };
+    let (done, computed) = work(&resume, out.path(), false);
+    let done = done.unwrap().unwrap();
+    assert_eq!((computed, finished(&done)), (vec![2], vec![0, 1, 2, 3, 4]));
+    done.close().unwrap();
+    assert!(!out.path().join(".work.journal.tmp").exists(), "a journal that has served is gone");
+}
+
+/// R41 on several machines: a shard with a failed item is written and merged, and mended by `--resume`.
+#[test]
+fn a_panicking_item_of_a_shard_reaches_the_merge() {
+    let out = tempfile::tempdir().unwrap();
+    let shard = |text: &str| Division { shard: Some(text.parse().unwrap()), ..Division::default() };
+    assert!(work(&shard("1/2"), out.path(), true).0.unwrap().is_none());
+    let refused = work(&shard("2/2"), out.path(), true).0.unwrap_err();
+    assert!(refused.exit_code() == 3, "{refused}");
+    let merge = Division { merge: vec![out.path().to_path_buf()], ..Division::default() };
+    let merged = work(&merge, &out.path().join("m"), false).0.unwrap().unwrap();
+    assert_eq!((finished(&merged), merged.failures.len()), (vec![0, 1, 3, 4], 1));
+    assert_eq!(merged.close().unwrap_err().exit_code(), 3);
+    let again = Division { resume: true, ..shard("2/2") };
+    assert_eq!(work(&again, out.path(), false).1, [2, 3, 4], "a shard's journal has served");
+    let merged = work(&merge, &out.path().join("m"), false).0.unwrap().unwrap();
+    assert_eq!(finished(&merged).len(), 5);
+    merged.close().unwrap();
+}
+
+/// R41: the report of a sweep that lost an item holds the others and says which is missing.
+#[test]
+fn a_sweep_that_lost_an_item_reports_the_rest() {
+    let out = tempfile::tempdir().unwrap();
+    let plan = Plan {
+        cases: plan::cases_named(&["upc".to_string()]).unwrap(),
+        sizes: vec![32, 64],
+        formats: vec![plan::format_named("f32").unwrap()],
+        filters: vec![None],
+        strategies: vec![Strategy::ReceiverSlope],
+        bias: Range { low: 1e-6, high: 1e-1, log: true, count: 5 },
+        step: 4,
+        max_acne: 0.001,
+    };
+    let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
+    let mut worker = shard::Worker::new(&plan);
+    let common = common(out.path());
+    let compute = |item| {
+        assert!(item != 0, "fell over");
+        worker.compute(item)
+    };
+    let done = Division::default().run(&common, &job, compute).unwrap().unwrap();
+    let sweeps = shard::assemble(&plan, &done.results()).unwrap();
+    assert!(sweeps[0].swept.iter().all(|s| s.size == 64) && !sweeps[0].swept.is_empty());
+    let mut report = sweep::report::report(&plan, &sweeps, Profile::Quick, 1, "c".to_string());
+    report.warnings.extend(done.warnings());
+    common.finish(&report).unwrap();
+    let page = fs::read_to_string(out.path().join("index.html")).unwrap();
+    assert!(page.contains("upc 32: panicked: fell over"), "the page names what is missing");
+    assert_eq!(done.close().unwrap_err().exit_code(), 3);
 }

@@ -98,6 +98,25 @@ fn threads_and_json_change_no_published_byte() {
     assert_eq!(verified.status.code(), Some(1), "{}", text(&verified.stderr));
 }
 
+/// R50: with a terminal (which `script` provides) there is a progress bar, and the same files.
+#[cfg(unix)]
+#[test]
+fn a_terminal_changes_no_published_byte() {
+    let out = tempfile::tempdir().unwrap();
+    let manifest = |name: &str| std::fs::read(out.path().join(name).join("manifest.json")).unwrap();
+    let folder = |name: &str| out.path().join(name).display().to_string();
+    assert!(report(&QUICK).args(["--out", &folder("pipe")]).output().unwrap().status.success());
+    let binary = env!("CARGO_BIN_EXE_gnomon-report");
+    let command = format!("{binary} {} --out {}", QUICK.join(" "), folder("terminal"));
+    let mut script = Command::new("script");
+    let script = script.args(["--quiet", "--return", "--command", &command, "/dev/null"]);
+    let output = script.stdin(Stdio::null()).output().expect("util-linux has script");
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("measuring ["), "a bar is shown: {said}");
+    assert_eq!(manifest("terminal"), manifest("pipe"));
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_exits_130_and_leaves_earlier_files() {
@@ -116,6 +135,28 @@ fn an_interrupt_exits_130_and_leaves_earlier_files() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
     assert_eq!(std::fs::read(out.path().join("manifest.json")).unwrap(), before);
+}
+
+/// R47: every binary that writes a folder holds it from before its work.
+#[test]
+fn a_held_folder_is_refused_at_once_by_every_binary() {
+    let out = tempfile::tempdir().unwrap();
+    let _held = gnomon::output::Lock::hold(out.path()).unwrap();
+    for binary in [
+        env!("CARGO_BIN_EXE_gnomon-report"),
+        env!("CARGO_BIN_EXE_gnomon-roundtrip"),
+        env!("CARGO_BIN_EXE_gnomon-formats"),
+        env!("CARGO_BIN_EXE_gnomon-sweep"),
+        env!("CARGO_BIN_EXE_gnomon-tune"),
+        env!("CARGO_BIN_EXE_gnomon-stress"),
+        env!("CARGO_BIN_EXE_gnomon-pareto"),
+    ] {
+        let mut command = Command::new(binary);
+        let start = std::time::Instant::now();
+        let output = command.args(["--quick", "--out"]).arg(out.path()).output().unwrap();
+        refused(&output, &[&format!("locked by pid {}", std::process::id())]);
+        assert!(start.elapsed() < std::time::Duration::from_secs(2), "{binary}");
+    }
 }
 
 /// A folder with one file of that text, and the file's path.

@@ -355,6 +355,24 @@ fn threads_change_no_byte() {
     }
 }
 
+/// R42: twenty times over, with as many threads as there may be.
+#[test]
+#[ignore = "soak: 80 reports, about a minute"]
+fn twenty_repeats_change_no_byte() {
+    let options = Options {
+        profile: Profile::Quick,
+        which: Which::Named("book-r8-y7".to_string()),
+        ..Options::default()
+    };
+    let files = || documents::report(&options, || ()).expect("a known case").files();
+    let first = with_threads(1, files);
+    for round in 0..20 {
+        for threads in [1, 2, 3, 8] {
+            assert!(with_threads(threads, files) == first, "round {round}, {threads} threads");
+        }
+    }
+}
+
 /// R44: this thread and every worker compute in the default floating-point mode.
 #[test]
 fn every_worker_computes_in_the_default_mode() {

@@ -28,6 +28,7 @@ crate::catalogue! {
 impl DepthFormat {
     /// The largest code of a normalised integer format, `None` for floats.
     #[must_use]
+    #[inline(always)]
     pub const fn unorm_max(self) -> Option<u32> {
         match self {
             Self::Unorm8 => Some(0xff),
@@ -47,6 +48,7 @@ impl DepthFormat {
 
     /// [`Self::encode`] under a device's own rounding.
     #[must_use]
+    #[inline(always)]
     pub fn encode_with(self, store: UnormStore, depth: f32) -> u32 {
         let clamped = if depth.is_nan() { 0.0 } else { depth.clamp(0.0, 1.0) + 0.0 };
         match (self, self.unorm_max()) {
@@ -65,6 +67,7 @@ impl DepthFormat {
 
     /// [`Self::decode`] under a device's own sampler.
     #[must_use]
+    #[inline(always)]
     pub fn decode_with(self, load: UnormLoad, code: u32) -> f32 {
         match (self, self.unorm_max()) {
             (_, Some(max)) => load.value(code, max),
@@ -101,12 +104,14 @@ pub struct FormatTrip {
 impl FormatTrip {
     /// The code of a depth; monotone.
     #[must_use]
+    #[inline(always)]
     pub fn code(self, depth: f32) -> u32 {
         self.format.encode_with(self.store, depth)
     }
 
     /// The decoded value of a code, in f64 as well where the sampler is exact.
     #[must_use]
+    #[inline(always)]
     pub fn value<F: Raw>(self, code: u32) -> F {
         match self.format.unorm_max() {
             Some(max) if self.load == UnormLoad::Divide => {
@@ -118,6 +123,7 @@ impl FormatTrip {
 
     /// About the last depth that has the code (a starting point, not a promise).
     #[must_use]
+    #[inline(always)]
     pub fn end_of(self, code: u32) -> f32 {
         let reach = if self.store == UnormStore::Truncate { 1.0 } else { 0.5 };
         match self.format.unorm_max() {

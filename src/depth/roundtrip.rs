@@ -1,6 +1,12 @@
 //! Pack → store → load → unpack as one function of the depth: for one depth, for a run of
 //! consecutive floats in wide vectors, and as an enclosure over an interval.
 
+mod closures;
+mod texture;
+
+pub use closures::Closures;
+use texture::Texture;
+
 use super::arith::{Arithmetic, Fused, Interval, Mediump, Raw, Shader};
 use super::packing::{Packing, Pair, PairVisitor};
 use super::store::{ByteRounding, UnormLoad};
@@ -12,6 +18,12 @@ use std::marker::PhantomData;
 pub trait RoundTrip<F: Raw>: Send + Sync {
     /// Decoded values of the floats with the bit patterns `first`, `first` + 1, ….
     fn run(&self, level: Level, first: u32, out: &mut [F]);
+
+    /// As [`Self::run`], but a channel whose byte is proved the same for all of the floats is stored
+    /// and sampled once. The values are the same.
+    fn run_proved(&self, level: Level, first: u32, out: &mut [F]) {
+        self.run(level, first, out);
+    }
 
     /// The one decoded value of *all* floats between two bit patterns (0 ≤ first ≤ last ≤ 1.0), where
     /// that can be proved; `None` where it cannot.
@@ -38,109 +50,68 @@ struct Through<P, A: Shader> {
     arithmetic: PhantomData<fn() -> A>,
 }
 
-/// The texture unit as numbers. Bytes round to even or are ⌊255x + half⌋; the sampler returns
-/// fl(k·scale) + fl(k·rest) where it is `linear`, else a table.
-///
-/// f32(k/255) has the linear form too: with scale = 1/255 to 16 bits, k·scale is exact (8 + 16 = 24
-/// bits), and the sum is wrong by less than 2⁻⁴⁰ before its one rounding, fused or not; a test
-/// compares all 256.
-#[derive(Clone, Debug)]
-struct Texture<F> {
-    even: bool,
-    half: F,
-    linear: bool,
-    scale: F,
-    rest: F,
-    table: [F; 256],
-}
-
-/// (scale, rest) of the sampler rules that have that form.
-fn scale_and_rest<F: Raw>(load: UnormLoad) -> (F, F) {
-    let exact = 1.0 / 255.0;
-    let high = match load {
-        UnormLoad::Reciprocal => f64::from(exact as f32),
-        _ => f64::from(f32::from_bits((exact as f32).to_bits() & !0xff)),
-    };
-    let rest = if load == UnormLoad::Reciprocal { 0.0 } else { (1.0 - 255.0 * high) / 255.0 };
-    (F::from_real(high), F::from_real(rest))
-}
-
-impl<F: Raw> Texture<F> {
-    fn new(rounding: ByteRounding, load: UnormLoad, real: bool) -> Self {
-        let (scale, rest) = scale_and_rest(load);
-        let value = |k: usize| match load {
-            UnormLoad::Divide => F::from_real(k as f64 / 255.0),
-            _ => F::from_depth(load.value(k as u32, 255)),
-        };
-        let half = if let ByteRounding::Floor { half } = rounding { half } else { 0.0 };
-        Self {
-            even: rounding == ByteRounding::Even,
-            half: F::from_real(half),
-            linear: load == UnormLoad::Divide || (load == UnormLoad::Reciprocal && !real),
-            scale,
-            rest,
-            table: std::array::from_fn(value),
-        }
-    }
-
-    #[inline(always)]
-    fn stored(&self, x: F) -> F {
-        if self.even { x.byte_even() } else { x.byte_floor(self.half) }
-    }
-
-    fn sampled(&self, byte: F) -> F {
-        self.table[usize::from(byte.byte())]
-    }
-}
-
-/// The vectorised loop: a linear sampler, `EVEN` known when it is compiled.
-struct Run<'a, P, A: Shader, const EVEN: bool> {
+/// The vectorised loop: a linear sampler; `EVEN`, and which channels are `KNOWN` (bit i), are constants.
+struct Run<'a, P, A: Shader, const EVEN: bool, const KNOWN: u8> {
     pair: P,
     half: A::Raw,
     scale: A::Raw,
     rest: A::Raw,
+    known: [A::Raw; 4],
     first: u32,
     out: &'a mut [A::Raw],
 }
 
-impl<P: Pair, A: Shader, const EVEN: bool> Kernel for Run<'_, P, A, EVEN> {
+impl<P: Pair, A: Shader, const EVEN: bool, const KNOWN: u8> Kernel for Run<'_, P, A, EVEN, KNOWN> {
     type Output = ();
     #[inline(always)]
     fn run(self, has_fma: bool) {
         for (i, slot) in self.out.iter_mut().enumerate() {
             let z = f32::from_bits(self.first.wrapping_add(i as u32));
             let mut channels = self.pair.pack(A::enter(A::Raw::from_depth(z)));
-            for channel in &mut channels {
+            for (k, channel) in channels.iter_mut().enumerate() {
                 let x = channel.leave();
                 let byte = if EVEN { x.byte_even() } else { x.byte_floor(self.half) };
-                *channel = A::enter(byte.product_sum(self.scale, self.rest, has_fma));
+                let sampled = byte.product_sum(self.scale, self.rest, has_fma);
+                // What leads to a known channel alone is not computed.
+                *channel = A::enter(if KNOWN >> k & 1 == 1 { self.known[k] } else { sampled });
             }
             *slot = self.pair.unpack(channels).leave();
         }
     }
 }
 
-/// The bytes of every depth between two, where they are the same.
+/// The bytes of the first of the depths, and which of them (bit i) are proved to be those of all.
 struct Enclose<'a, P, A: Shader> {
     through: &'a Through<P, A>,
     depths: Interval<A>,
 }
 
 impl<P: Pair, A: Shader> Kernel for Enclose<'_, P, A> {
-    type Output = Option<[A::Raw; 4]>;
+    type Output = ([A::Raw; 4], u8);
     #[inline(always)]
     fn run(self, _has_fma: bool) -> Self::Output {
         let texture = &self.through.texture;
         let channels = self.through.pair.pack(self.depths);
-        let mut bytes = [A::Raw::default(); 4];
+        let (mut bytes, mut agreeing) = ([A::Raw::default(); 4], 0);
         for i in 0..4 {
             bytes[i] = texture.stored(channels[i].lo.leave());
-            if bytes[i] != texture.stored(channels[i].hi.leave()) {
-                return None;
-            }
+            let agrees = bytes[i] == texture.stored(channels[i].hi.leave());
+            agreeing |= u8::from(agrees) << i;
         }
-        Some(bytes)
+        (bytes, agreeing)
     }
+}
+
+/// Every byte agrees.
+const ALL_AGREE: u8 = 0b1111;
+/// A run of so many depths is worth an enclosure.
+const PROVED_RUN: usize = 512;
+
+/// Whether all floats of a run lie where [`Lean`](super::arith::Lean) is plain f32.
+fn are_lean(first: u32, count: usize) -> bool {
+    const LEAST: u32 = (127 - 64) << 23;
+    const ONE: u32 = 127 << 23;
+    LEAST <= first && u64::from(first) + count as u64 <= u64::from(ONE) + 1
 }
 
 /// The two halves are compiled once for all that looks at single depths.
@@ -164,11 +135,45 @@ impl<P: Pair, A: Shader> Through<P, A> {
         A::enter(self.texture.sampled(byte))
     }
 
-    /// Whether there was a vector width to run in.
-    fn vector_run<const EVEN: bool>(&self, level: Level, first: u32, out: &mut [A::Raw]) -> bool {
+    fn enclosed(&self, first: u32, last: u32) -> ([A::Raw; 4], u8) {
+        let depths = Interval { lo: Self::enters(first), hi: Self::enters(last) };
+        Level::run_scalar(Enclose { through: self, depths })
+    }
+
+    /// In wide vectors. Whether there was a vector width to run in.
+    fn wide<W: Shader<Raw = A::Raw>, const EVEN: bool, const KNOWN: u8>(
+        &self,
+        (level, first): (Level, u32),
+        bytes: [A::Raw; 4],
+        out: &mut [A::Raw],
+    ) -> bool {
         let Texture { half, scale, rest, .. } = self.texture;
-        let run = Run::<P, A, EVEN> { pair: self.pair, half, scale, rest, first, out };
+        let known = bytes.map(|byte| byte.product_sum(scale, rest, true));
+        let pair = self.pair;
+        let run = Run::<P, W, EVEN, KNOWN> { pair, half, scale, rest, known, first, out };
         level.run_wide(run).is_some()
+    }
+
+    fn vector_run<const EVEN: bool>(&self, level: Level, first: u32, out: &mut [A::Raw]) -> bool {
+        let nothing = [A::Raw::default(); 4];
+        if P::LEAN && are_lean(first, out.len()) {
+            return self.wide::<A::Wide, EVEN, 0>((level, first), nothing, out);
+        }
+        self.wide::<A, EVEN, 0>((level, first), nothing, out)
+    }
+
+    /// [`Self::vector_run`] without the leading channels whose bytes agree, wherever they live.
+    fn proved_run(&self, level: Level, first: u32, out: &mut [A::Raw]) -> bool {
+        let (bytes, agreeing) = self.enclosed(first, first + (out.len() as u32 - 1));
+        let (all, at) = (|mask: u8| agreeing & mask == mask, (level, first));
+        match () {
+            () if all(0b0011) => self.wide::<A::Wide, true, 0b0011>(at, bytes, out),
+            () if all(0b0001) => self.wide::<A::Wide, true, 0b0001>(at, bytes, out),
+            () if P::CHANNELS < 4 => self.wide::<A::Wide, true, 0>(at, bytes, out),
+            () if all(0b1100) => self.wide::<A::Wide, true, 0b1100>(at, bytes, out),
+            () if all(0b1000) => self.wide::<A::Wide, true, 0b1000>(at, bytes, out),
+            () => self.wide::<A::Wide, true, 0>(at, bytes, out),
+        }
     }
 
     /// One depth at a time; a value that enters like the one before it is not computed again.
@@ -202,13 +207,23 @@ impl<P: Pair, A: Shader + Send + Sync> RoundTrip<A::Raw> for Through<P, A> {
         }
     }
 
+    /// Compiled for the store that rounds to even.
+    fn run_proved(&self, level: Level, first: u32, out: &mut [A::Raw]) {
+        let vector = !A::COARSE && self.texture.linear && self.texture.even;
+        let worth = vector && P::LEAN && out.len() >= PROVED_RUN && are_lean(first, out.len());
+        if !(worth && self.proved_run(level, first, out)) {
+            self.run(level, first, out);
+        }
+    }
+
     fn constant(&self, first: u32, last: u32) -> Option<A::Raw> {
-        let (lo, hi) = (Self::enters(first), Self::enters(last));
         if A::COARSE {
+            let (lo, hi) = (Self::enters(first), Self::enters(last));
             return (lo == hi).then(|| self.through(lo).leave());
         }
-        let bytes = Level::run_scalar(Enclose { through: self, depths: Interval { lo, hi } })?;
-        Some(self.unpacked(bytes.map(|k| self.sampled(k))).leave())
+        let (bytes, agreeing) = self.enclosed(first, last);
+        let decoded = || self.unpacked(bytes.map(|k| self.sampled(k))).leave();
+        (agreeing == ALL_AGREE).then(decoded)
     }
 
     fn texel(&self, depth: A::Raw) -> Vec<u8> {
@@ -227,63 +242,6 @@ impl<P: Pair, A: Shader + Send + Sync> RoundTrip<A::Raw> for Through<P, A> {
 
     fn unpack(&self, channels: [A::Raw; 4]) -> A::Raw {
         self.unpacked(channels.map(A::enter)).leave()
-    }
-}
-
-/// A user's own pair as Rust closures, in f32. Nothing can be proved about a closure, so
-/// [`RoundTrip::constant`] never answers and exhaustive runs evaluate every float.
-#[allow(missing_debug_implementations, reason = "holds closures")]
-pub struct Closures<P, U> {
-    pack: P,
-    unpack: U,
-    channels: usize,
-    texture: Texture<f32>,
-}
-
-impl<P, U> Closures<P, U>
-where
-    P: Fn(f32) -> [f32; 4] + Send + Sync,
-    U: Fn([f32; 4]) -> f32 + Send + Sync,
-{
-    /// `channels` of the four that `pack` returns are stored by `rounding`, read by `load` and given
-    /// to `unpack`.
-    pub fn new(
-        channels: usize,
-        rounding: ByteRounding,
-        load: UnormLoad,
-        pack: P,
-        unpack: U,
-    ) -> Self {
-        Self { pack, unpack, channels, texture: Texture::new(rounding, load, false) }
-    }
-}
-
-impl<P, U> RoundTrip<f32> for Closures<P, U>
-where
-    P: Fn(f32) -> [f32; 4] + Send + Sync,
-    U: Fn([f32; 4]) -> f32 + Send + Sync,
-{
-    fn run(&self, _: Level, first: u32, out: &mut [f32]) {
-        for (bits, slot) in (first..).zip(out) {
-            *slot = self.decoded(f32::from_bits(bits));
-        }
-    }
-    fn constant(&self, _: u32, _: u32) -> Option<f32> {
-        None
-    }
-    fn texel(&self, depth: f32) -> Vec<u8> {
-        let packed = (self.pack)(depth);
-        packed.iter().take(self.channels).map(|&c| self.texture.stored(c).byte()).collect()
-    }
-    fn decoded(&self, depth: f32) -> f32 {
-        let sample = |c: f32| self.texture.sampled(self.texture.stored(c));
-        (self.unpack)((self.pack)(depth).map(sample))
-    }
-    fn is_sound(&self, depth: f32) -> bool {
-        (self.pack)(depth).iter().all(|c| c.is_finite())
-    }
-    fn unpack(&self, channels: [f32; 4]) -> f32 {
-        (self.unpack)(channels)
     }
 }
 
@@ -339,21 +297,5 @@ impl PairVisitor for Path {
     type Output = AnyRoundTrip;
     fn visit<P: Pair + 'static>(self, pair: P) -> AnyRoundTrip {
         self.of(pair)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn two_products_give_every_sampled_byte() {
-        for load in [UnormLoad::Divide, UnormLoad::Reciprocal] {
-            let (scale, rest) = scale_and_rest::<f32>(load);
-            for (k, fused) in (0..=255u32).flat_map(|k| [(k, false), (k, true)]) {
-                let value = (k as f32).product_sum(scale, rest, fused);
-                assert_eq!(value, load.value(k, 255), "byte {k}, {load}, fused {fused}");
-            }
-        }
     }
 }

@@ -20,6 +20,7 @@ impl UnormStore {
     /// The f32 products are exact to half an ulp; `Exact` uses f64, where x·max is exact for
     /// max < 2²⁹ and within 2⁻²¹ of a code for 32 bits.
     #[must_use]
+    #[inline(always)]
     pub fn code(self, x: f32, max: u32) -> u32 {
         if x.is_nan() || x <= 0.0 {
             return 0;
@@ -53,6 +54,7 @@ crate::catalogue! {
 impl UnormLoad {
     /// The float of code `k` in a UNORM format whose largest code is `max`.
     #[must_use]
+    #[inline(always)]
     pub fn value(self, k: u32, max: u32) -> f32 {
         let exact = f64::from(k) / f64::from(max);
         match self {

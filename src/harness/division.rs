@@ -154,24 +154,28 @@ impl Done {
         self.failures.iter().map(|f| Warning { about: String::new(), text: text(f) }).collect()
     }
 
-    /// Call once everything is published: the journal has served.
+    /// Call once everything is published: the journal has served. Where items failed it stays, so that
+    /// `--resume` tries those alone again.
     ///
     /// # Errors
     /// [`Error::Partial`] where items failed.
     pub fn close(self) -> Result<()> {
+        partial(&self.failures)?;
         if let Some(journal) = self.journal {
             journal.discard();
         }
-        partial(&self.failures)
+        Ok(())
     }
 }
 
 fn partial(failures: &[String]) -> Result<()> {
     match failures {
         [] => Ok(()),
-        failed => {
-            Err(Error::Partial(format!("{} items failed: {}", failed.len(), failed.join("; "))))
-        }
+        failed => Err(Error::Partial(format!(
+            "{} items failed: {}; --resume tries them again",
+            failed.len(),
+            failed.join("; ")
+        ))),
     }
 }
 
@@ -192,10 +196,11 @@ impl Division {
         if self.plan {
             return print(&plan_text(job)).map(|()| None);
         }
-        if !self.merge.is_empty() {
-            return merge(&self.merge, job).map(Some);
-        }
         let folder = common.folder(job.name);
+        if !self.merge.is_empty() {
+            let merged = merge(&self.merge, job)?;
+            return Ok(Some(Done { _lock: Some(Lock::hold(&folder)?), ..merged }));
+        }
         match self.shard {
             Some(shard) => self.part(&folder, job, shard, compute).map(|()| None),
             None => self.whole(&folder, job, compute).map(Some),

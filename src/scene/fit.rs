@@ -19,6 +19,9 @@ pub struct SceneFile {
     /// A scene file of your own (.gltf, .glb, .obj); settings from the .toml beside it, if there is one
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
+    /// Leave damaged triangles and nodes of the scene out, and count them in the report
+    #[arg(long, requires = "scene")]
+    pub lenient: bool,
     /// Settings from this TOML file instead
     #[arg(long, value_name = "FILE", requires = "scene")]
     pub config: Option<PathBuf>,
@@ -79,7 +82,8 @@ impl SceneFile {
         }
         change(&mut settings);
         let name = path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned());
-        case(&name, load::load(path, &Limits::default())?, &settings).map(Some)
+        let limits = Limits { lenient: self.lenient, ..Limits::default() };
+        case(&name, load::load(path, &limits)?, &settings).map(Some)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Coverage under stress: slivers, T-junctions, vertices on pixel centres, holes, coplanar casters (T15).
 
 use super::search::{Random, ladder, onset};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Effort, Fate, Forecast, Row, Stress, winding};
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
 use crate::num::exp2;
@@ -11,7 +11,7 @@ use crate::scene::Cull;
 use glam::Vec4;
 
 /// Pixels per side.
-const SIZE: u32 = 64;
+pub(super) const SIZE: u32 = 64;
 /// Sub-pixels per pixel of the ideal device.
 const FINE: i64 = 256;
 
@@ -20,20 +20,20 @@ type Point = [i64; 2];
 
 /// A device with so many sub-pixels per pixel, a power of two.
 #[derive(Clone, Copy)]
-struct Grid {
+pub(super) struct Grid {
     fine: i64,
 }
 
-const IDEAL: Grid = Grid { fine: FINE };
+pub(super) const IDEAL: Grid = Grid { fine: FINE };
 
 impl Grid {
-    fn device(self) -> Device {
+    pub(super) fn device(self) -> Device {
         let subpixel_bits = self.fine.ilog2();
         Device { subpixel_bits, ..DeviceProfile::Ideal.device() }
     }
 
     /// Clip coordinates of a place in sub-pixels, which need not be whole; f32.
-    fn clip_at(self, place: [f64; 2], depth: f64) -> Vec4 {
+    pub(super) fn clip_at(self, place: [f64; 2], depth: f64) -> Vec4 {
         let half = f64::from(SIZE) * self.fine as f64 / 2.0;
         let ndc = |s: f64| ((s + self.fine as f64 / 2.0) / half - 1.0) as f32;
         Vec4::new(ndc(place[0]), ndc(place[1]), (2.0 * depth - 1.0) as f32, 1.0)
@@ -113,8 +113,8 @@ fn snapped_width(width: f64) -> f64 {
 }
 
 /// A sliver's width down to nothing.
-pub(super) fn slivers(_: &Effort) -> Stress {
-    let widths = ladder(1e-4, 1.0, 25);
+pub(super) fn slivers(effort: &Effort) -> Stress {
+    let widths = ladder(1e-4, 1.0, 17);
     let error = |w: f64| (snapped_width(w) / w - 1.0).abs();
     let event = "a sliver keeps an area";
     let formula = "half a sub-pixel, 2⁻⁹ pixel, rounds to none (ties to even)";
@@ -127,15 +127,16 @@ pub(super) fn slivers(_: &Effort) -> Stress {
         .noting("Narrower slivers are counted as empty and leave no NaN and no depth.");
     Stress {
         id: "sliver",
-        title: "Slivers",
-        lead:
-            "A triangle 40 pixels long whose width shrinks. The curve is the relative error of the \
-               width after snapping to 2⁻⁸ pixel, the theory the bound 2⁻⁹/width."
-                .to_string(),
+        title: "Slivers, and windings that flip",
+        lead: "A triangle 40 pixels long whose width shrinks: the relative error of its width after \
+               snapping to 2⁻⁸ pixel, the theory the bound 2⁻⁹/width. Front faces with two vertices on \
+               the grid and the third anywhere beside their edge: the share that shows its back once it \
+               is snapped."
+            .to_string(),
         parameter: "width [pixels]",
-        error: "relative error of the width",
+        error: "error of the width; share of flipped faces",
         scale: Scale::Log,
-        rows: vec![row],
+        rows: vec![row, winding::along_the_grid(effort), winding::across_the_grid(effort)],
     }
 }
 

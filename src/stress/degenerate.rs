@@ -133,7 +133,7 @@ fn missed(scale: f64) -> f64 {
 
 /// Homogeneous coordinates so large that clipping overflows.
 pub(super) fn clip_scale(_: &Effort) -> Stress {
-    let scales = ladder(1.0, 1e30, 31);
+    let scales = ladder(1.0, 1e30, 16);
     // Cutting the bottom edge at x = −w, the largest product is 4s · 3s.
     let predicted = f64::sqrt(f64::from(f32::MAX) / 12.0);
     let event = "a triangle over the whole map, cut by its sides, loses texels";

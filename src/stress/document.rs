@@ -169,8 +169,10 @@ fn plot(stress: &Stress) -> Plot {
     }
 }
 
+/// Seven significant digits: a curve is for the eye, onsets are given in full.
 fn column(points: &[(f64, f64)], of: impl Fn(&(f64, f64)) -> f64) -> Vec<f64> {
-    points.iter().map(of).collect()
+    let rounded = |x: f64| format!("{x:.6e}").parse().expect("a number as it was written");
+    points.iter().map(|p| rounded(of(p))).collect()
 }
 
 fn results(options: &Options, stresses: &[Stress]) -> serde_json::Value {

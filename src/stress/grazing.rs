@@ -168,7 +168,7 @@ fn wall_survives(width: f64, offset: PolygonOffset) -> bool {
 }
 
 fn wall_row(name: &str, predicted: f64, formula: &str, offset: PolygonOffset) -> Row {
-    let widths = ladder(1e-4, 10.0, 31);
+    let widths = ladder(1e-4, 10.0, 16);
     let there = |w: f64| f64::from(u8::from(w > predicted));
     let event = "the wall is in the map";
     let forecast =

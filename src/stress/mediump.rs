@@ -83,7 +83,7 @@ pub(super) fn digits(_: &Effort) -> Stress {
 
 /// Packing constants up to the largest half-precision number.
 pub(super) fn overflow(_: &Effort) -> Stress {
-    let scales = ladder(16.0, 1.7e7, 41);
+    let scales = ladder(16.0, 1.7e7, 29);
     let sound = |s: f64| Mediump::whole(s).is_sound();
     let error = |s: f64| match sound(s) {
         true => (f64::from(Mediump::whole(s).leave()) - s).abs() / s,

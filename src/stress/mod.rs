@@ -8,6 +8,7 @@
 mod clipping;
 mod coverage;
 mod degenerate;
+mod depth_clamp;
 mod depths;
 pub mod document;
 mod grazing;
@@ -19,6 +20,8 @@ mod sampling;
 mod search;
 mod sheet;
 mod ties;
+mod up;
+mod winding;
 
 pub use row::{AGREEMENT, Fate, Forecast, Row, Stress};
 pub use sheet::Sheet;
@@ -50,6 +53,8 @@ const ALL: &[fn(&Effort) -> Stress] = &[
     clipping::behind,
     clipping::border,
     clipping::near_plane,
+    depth_clamp::casters_before_near,
+    up::parallel,
     depths::vanishing,
     depths::one,
     ties::comparisons,

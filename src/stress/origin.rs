@@ -30,7 +30,7 @@ const SPACING: f64 = 0.01;
 
 /// Vertices 1 cm apart, moved out.
 pub(super) fn spacing(_: &Effort) -> Stress {
-    let distances = ladder(1.0, 1e7, 29);
+    let distances = ladder(1.0, 1e7, 22);
     let vertex = |d: f64, i: u32| d + f64::from(i) * SPACING;
     let kept = |d: f64, i: u32| vertex(d, i) as f32;
     let worst =

@@ -31,13 +31,16 @@ fn refused(error: &gnomon::Error) {
 }
 
 fn scene(name: &str, bytes: &[u8]) {
-    match parse(Path::new(name), bytes, &Limits::default()) {
-        Ok(scene) => {
-            // What was read can be fitted, or refused in a sentence too.
-            let fitted = fit::case("fuzz", scene, &Settings::default());
-            let _ = fitted.map_err(|e| refused(&e));
+    for lenient in [false, true] {
+        match parse(Path::new(name), bytes, &Limits { lenient, ..Limits::default() }) {
+            Ok(scene) => {
+                // What was read can be fitted, or refused in a sentence too.
+                let fitted = fit::case("fuzz", scene, &Settings::default());
+                let _ = fitted.map_err(|e| refused(&e));
+                return;
+            }
+            Err(error) => refused(&error),
         }
-        Err(error) => refused(&error),
     }
 }
 

@@ -19,6 +19,7 @@
 
 use super::combination::Conditions;
 use super::layout::{Layout, Sums, layout};
+use super::unmasked;
 use crate::depth::roundtrip::{AnyRoundTrip, Path};
 use crate::depth::{
     Arithmetic, ByteRounding, DepthFormat, FormatTrip, Packing, UnormLoad, UnormStore,
@@ -36,8 +37,8 @@ pub struct Bound {
     pub because: String,
 }
 
-/// The bound for a packing where one is known. None for half-precision arithmetic, nor where the
-/// channels do not telescope.
+/// The bound for a packing where one is known. None for half-precision arithmetic, nor where a byte
+/// of an integer does not come back.
 #[must_use]
 pub fn bound(packing: Packing, conditions: Conditions) -> Option<Bound> {
     if conditions.arithmetic == Arithmetic::Fp16 {
@@ -56,8 +57,10 @@ pub fn bound(packing: Packing, conditions: Conditions) -> Option<Bound> {
             texels.truncate_back().then(|| Bound { value: 0.0, because: because.clone() })
         });
     }
-    let layout = layout(packing)?;
-    worst(&|texels| Some(layout.terms(&texels, layout.all_digits()).bound()))
+    match layout(packing) {
+        Some(layout) => worst(&|texels| Some(layout.terms(&texels, layout.all_digits()).bound())),
+        None => worst(&|texels| unmasked::bound(packing, &texels)),
+    }
 }
 
 /// The bound over the depths from `from` to `to` alone: the leading digit is one of a few.

@@ -7,32 +7,57 @@
 use super::tally::Tally;
 use crate::depth::FormatTrip;
 use crate::depth::arith::Raw;
+use crate::simd::{Kernel, Level};
+use std::marker::PhantomData;
 
 /// The tally of all floats with bit patterns `start`…`end`, which lie in one binade.
 pub(super) fn tally<F: Raw>(trip: FormatTrip, start: u32, end: u32) -> Tally<F> {
-    let mut total: Option<Tally<F>> = None;
-    let mut at = start;
-    loop {
-        let code = trip.code(f32::from_bits(at));
-        let last = cell_end(trip, code, at, end);
-        let cell = Tally::constant(at, last, trip.value(code));
-        total = Some(total.map_or(cell, |t| t.then(cell)));
-        if last == end {
-            return total.expect("at least one cell");
+    Level::run_scalar(Cells { trip, start, end, decoded: PhantomData })
+}
+
+/// A run's cells in order.
+struct Cells<F> {
+    trip: FormatTrip,
+    start: u32,
+    end: u32,
+    decoded: PhantomData<F>,
+}
+
+impl<F: Raw> Kernel for Cells<F> {
+    type Output = Tally<F>;
+    #[inline(always)]
+    fn run(self, _has_fma: bool) -> Tally<F> {
+        let cell = |at, code, last| Tally::constant(at, last, self.trip.value(code));
+        let mut code = self.trip.code(f32::from_bits(self.start));
+        let (mut last, mut next) = self.cell_end(code, self.start);
+        let mut total = cell(self.start, code, last);
+        while last < self.end {
+            let at = last + 1;
+            code = next;
+            (last, next) = self.cell_end(code, at);
+            total = total.then(cell(at, code, last));
         }
-        at = last + 1;
+        total
     }
 }
 
-/// Bit pattern of the last depth in `at`…`end` that has `code`, which `at` has.
-fn cell_end(trip: FormatTrip, code: u32, at: u32, end: u32) -> u32 {
-    let code_at = |bits: u32| trip.code(f32::from_bits(bits));
-    let mut last = trip.end_of(code).to_bits().clamp(at, end);
-    while code_at(last) > code {
-        last -= 1;
+impl<F> Cells<F> {
+    /// Bit pattern of the last depth in `at`…`end` that has `code`, which `at` has, and the code after
+    /// it.
+    #[inline(always)]
+    fn cell_end(&self, code: u32, at: u32) -> (u32, u32) {
+        let code_at = |bits: u32| self.trip.code(f32::from_bits(bits));
+        let mut last = self.trip.end_of(code).to_bits().clamp(at, self.end);
+        while code_at(last) > code {
+            last -= 1;
+        }
+        while last < self.end {
+            let next = code_at(last + 1);
+            if next > code {
+                return (last, next);
+            }
+            last += 1;
+        }
+        (last, code)
     }
-    while last < end && code_at(last + 1) == code {
-        last += 1;
-    }
-    last
 }

@@ -17,21 +17,10 @@ struct Block<F: Raw> {
     above: F::Key,
     below: F::Key,
     inversions: u32,
+    /// The largest step down, rounded to `F`.
+    drop: F::Key,
     sum: f64,
     squares: f64,
-}
-
-impl<F: Raw> Block<F> {
-    #[inline(always)]
-    fn join(self, other: Self) -> Self {
-        Self {
-            above: self.above.max(other.above),
-            below: self.below.max(other.below),
-            inversions: self.inversions.wrapping_add(other.inversions),
-            sum: self.sum + other.sum,
-            squares: self.squares + other.squares,
-        }
-    }
 }
 
 struct Reduce<'a, F> {
@@ -55,11 +44,7 @@ impl<F: Raw> Kernel for Reduce<'_, F> {
         for (l, &decoded) in rest.iter().enumerate() {
             tail.take(0, decoded, self.depth(rows.len() * LANES + l));
         }
-        let mut block = Block { inversions: self.inversions(), ..tail.lane(0) };
-        for l in 0..LANES {
-            block = block.join(lanes.lane(l));
-        }
-        block
+        lanes.joined(&tail, self.falls())
     }
 }
 
@@ -69,11 +54,13 @@ impl<F: Raw> Reduce<'_, F> {
         f32::from_bits(self.first.wrapping_add(i as u32))
     }
 
+    /// How many neighbours go down, and the largest such step.
     #[inline(always)]
-    fn inversions(&self) -> u32 {
+    fn falls(&self) -> (u32, F::Key) {
         let (before, after) = (&self.decoded[..self.decoded.len() - 1], &self.decoded[1..]);
-        let falls = |(before, after): (&F, &F)| u32::from(after < before);
-        before.iter().zip(after).fold(0, |count, pair| falls(pair).wrapping_add(count))
+        before.iter().zip(after).fold((0, F::Key::default()), |(count, drop), (&before, &after)| {
+            (u32::from(after < before).wrapping_add(count), drop.max((before - after).key()))
+        })
     }
 }
 
@@ -99,10 +86,25 @@ impl<F: Raw> Lanes<F> {
         self.squares[lane] += error * error;
     }
 
+    /// One loop a field: a loop over all of them is too long to be unrolled, and the accumulators
+    /// would live in memory.
     #[inline(always)]
-    fn lane(&self, l: usize) -> Block<F> {
-        let (above, below) = (self.above[l], self.below[l]);
-        Block { above, below, inversions: 0, sum: self.sum[l], squares: self.squares[l] }
+    fn joined(&self, tail: &Self, (inversions, drop): (u32, F::Key)) -> Block<F> {
+        let (mut above, mut below) = (tail.above[0], tail.below[0]);
+        let (mut sum, mut squares) = (tail.sum[0], tail.squares[0]);
+        for l in 0..LANES {
+            above = above.max(self.above[l]);
+        }
+        for l in 0..LANES {
+            below = below.max(self.below[l]);
+        }
+        for l in 0..LANES {
+            sum += self.sum[l];
+        }
+        for l in 0..LANES {
+            squares += self.squares[l];
+        }
+        Block { above, below, inversions, drop, sum, squares }
     }
 }
 
@@ -113,8 +115,18 @@ pub(super) fn tally<F: Raw>(
     start: u32,
     end: u32,
 ) -> Tally<F> {
+    tally_by(&|first, out: &mut [F]| trip.run(level, first, out), level, start, end)
+}
+
+/// [`tally`] with `run` to decode the floats from a bit pattern on.
+pub(super) fn tally_by<F: Raw>(
+    run: &impl Fn(u32, &mut [F]),
+    level: Level,
+    start: u32,
+    end: u32,
+) -> Tally<F> {
     if end - start < SHORT as u32 {
-        return short(trip, level, start, end);
+        return short(run, level, start, end);
     }
     let mut buffer = [F::default(); BLOCK];
     let mut total: Option<Tally<F>> = None;
@@ -123,7 +135,7 @@ pub(super) fn tally<F: Raw>(
     loop {
         let len = BLOCK.min((end - at) as usize + 1);
         let decoded = &mut buffer[..len];
-        trip.run(level, at, decoded);
+        run(at, decoded);
         let block = level.run(Reduce { first: at, decoded });
         if block.above > above.0 {
             above = (block.above, at);
@@ -131,7 +143,8 @@ pub(super) fn tally<F: Raw>(
         if block.below > below.0 {
             below = (block.below, at);
         }
-        let next = block_tally(at, decoded, &block);
+        let known = total.map_or(0.0, |t: Tally<F>| t.drop.size);
+        let next = block_tally(at, decoded, &block, known);
         total = Some(total.map_or(next, |t| t.then(next)));
         if (end - at) as usize + 1 == len {
             break;
@@ -141,7 +154,7 @@ pub(super) fn tally<F: Raw>(
     let mut total = total.expect("a run has at least one float");
     let mut locate = |(key, at): (F::Key, u32), error: fn(F, F) -> F| {
         let decoded = &mut buffer[..BLOCK.min((end - at) as usize + 1)];
-        trip.run(level, at, decoded);
+        run(at, decoded);
         found(key, at, decoded, error)
     };
     total.above = locate(above, |d, z| d - z);
@@ -150,20 +163,23 @@ pub(super) fn tally<F: Raw>(
 }
 
 /// A run of one small block: its extremes are found where it stands, and little is cleared for it.
-fn short<F: Raw>(trip: &dyn RoundTrip<F>, level: Level, start: u32, end: u32) -> Tally<F> {
+fn short<F: Raw>(run: &impl Fn(u32, &mut [F]), level: Level, start: u32, end: u32) -> Tally<F> {
     let mut buffer = [F::default(); SHORT];
     let decoded = &mut buffer[..(end - start) as usize + 1];
-    trip.run(level, start, decoded);
+    run(start, decoded);
     let block = level.run(Reduce { first: start, decoded });
     Tally {
         above: found(block.above, start, decoded, |d, z| d - z),
         below: found(block.below, start, decoded, |d, z| z - d),
-        ..block_tally(start, decoded, &block)
+        ..block_tally(start, decoded, &block, 0.0)
     }
 }
 
-fn block_tally<F: Raw>(start: u32, decoded: &[F], block: &Block<F>) -> Tally<F> {
+/// The block's tally, without its extremes; its largest drop only where that may exceed `known`.
+fn block_tally<F: Raw>(start: u32, decoded: &[F], block: &Block<F>, known: f64) -> Tally<F> {
     let nothing = Extreme { error: F::default(), at: start };
+    // What is no number compares with nothing: looked at.
+    let exceeds = block.inversions > 0 && !(block.drop_bound(start) <= known);
     Tally {
         start,
         count: decoded.len() as u64,
@@ -173,9 +189,19 @@ fn block_tally<F: Raw>(start: u32, decoded: &[F], block: &Block<F>) -> Tally<F> 
         sum: block.sum,
         squares: block.squares,
         inversions: block.inversions.into(),
-        drop: if block.inversions > 0 { largest_drop(start, decoded) } else { Drop::default() },
+        drop: if exceeds { largest_drop(start, decoded) } else { Drop::default() },
         first: decoded[0],
         last: decoded[decoded.len() - 1],
+    }
+}
+
+impl<F: Raw> Block<F> {
+    /// No drop of the block from depth `start` on is larger. Every decoded value is at least
+    /// `start` − `below`; a difference of at most half of that is exact (Sterbenz).
+    fn drop_bound(&self, start: u32) -> f64 {
+        let drop: f64 = F::from_key(self.drop).into();
+        let least = f64::from(f32::from_bits(start)) - F::from_key(self.below).into();
+        if 4.0 * drop <= least { drop } else { drop * (1.0 + 2.0 * f64::from(f32::EPSILON)) }
     }
 }
 

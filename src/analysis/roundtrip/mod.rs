@@ -41,6 +41,7 @@ mod sample;
 pub mod shaders;
 pub mod survey;
 pub mod tally;
+mod unmasked;
 pub mod verdict;
 pub mod world;
 

@@ -29,9 +29,13 @@ pub(super) fn tally<F: Raw>(
     }
     let pieces = Pieces { trip, level };
     if pieces.is_hopeless(start, end) {
-        return brute::tally(trip, level, start, end);
+        return brute::tally_by(&proved(trip, level), level, start, end);
     }
     pieces.halve(start, end)
+}
+
+fn proved<F: Raw>(trip: &dyn RoundTrip<F>, level: Level) -> impl Fn(u32, &mut [F]) {
+    move |first, out| trip.run_proved(level, first, out)
 }
 
 struct Pieces<'a, F> {
@@ -58,7 +62,7 @@ impl<F: Raw> Pieces<'_, F> {
             return Tally::constant(start, end, value);
         }
         if end - start < LEAF {
-            return brute::tally(self.trip, self.level, start, end);
+            return brute::tally_by(&proved(self.trip, self.level), self.level, start, end);
         }
         self.halve(start, end)
     }

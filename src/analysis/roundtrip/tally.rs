@@ -15,6 +15,7 @@ pub struct Extreme<F> {
 impl<F: Raw> Extreme<F> {
     /// The greater, the earlier of equals; NaN is greater than all.
     #[must_use]
+    #[inline(always)]
     pub fn or(self, later: Self) -> Self {
         if later.error.key() > self.error.key() { later } else { self }
     }
@@ -65,6 +66,7 @@ impl<F: Raw> Tally<F> {
     /// keep their distance. The sums are arithmetic series in the spacing u:
     /// Σ(c − ku) = nc − uS₁ and Σ(c − ku)² = nc² − 2cuS₁ + u²S₂ with c = value − z₀.
     #[must_use]
+    #[inline(always)]
     pub fn constant(start: u32, end: u32, value: F) -> Self {
         let (low, high) = (f32::from_bits(start), f32::from_bits(end));
         let negated = |x: F| F::default() - x;
@@ -90,6 +92,7 @@ impl<F: Raw> Tally<F> {
 
     /// Joins the tally of the depths that follow at once.
     #[must_use]
+    #[inline(always)]
     pub fn then(self, next: Self) -> Self {
         let mut joined = self;
         let step = self.last.into() - next.first.into();
@@ -133,6 +136,7 @@ impl<F: Raw> Tally<F> {
 }
 
 /// An error that is none has no place of its own: it is said to be at the start of the run.
+#[inline(always)]
 fn positive<F: Raw>(error: F, at: u32, start: u32) -> Extreme<F> {
     let none = F::Key::default();
     if error.key() > none {
@@ -144,6 +148,7 @@ fn positive<F: Raw>(error: F, at: u32, start: u32) -> Extreme<F> {
 
 /// Distance between neighbouring floats at a bit pattern.
 #[must_use]
+#[inline(always)]
 pub fn spacing(bits: u32) -> f64 {
     exp2((bits >> 23).max(1) as i32 - 150)
 }

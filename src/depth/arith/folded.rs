@@ -56,6 +56,7 @@ impl Number for Folded {
 
 impl Shader for Folded {
     type Raw = f32;
+    type Wide = Self;
     fn enter(raw: f32) -> Self {
         Self(raw)
     }

@@ -61,6 +61,7 @@ impl Number for Fused {
 
 impl Shader for Fused {
     type Raw = f32;
+    type Wide = Self;
     #[inline(always)]
     fn enter(raw: f32) -> Self {
         Self(raw)

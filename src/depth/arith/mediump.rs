@@ -76,6 +76,7 @@ impl Number for Mediump {
 
 impl Shader for Mediump {
     type Raw = f32;
+    type Wide = Self;
     const COARSE: bool = true;
     fn enter(raw: f32) -> Self {
         Self::rounded(raw, true)

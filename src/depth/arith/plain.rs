@@ -1,9 +1,9 @@
 //! f32 without contraction, and f64 as the stand-in for real values.
 
-use super::{Number, Raw, Shader};
+use super::{Lean, Number, Raw, Shader};
 
 macro_rules! plain {
-    ($F:ty, $Key:ty, $below_one:expr, $($exact:item)*) => {
+    ($F:ty, $Wide:ty, $Key:ty, $below_one:expr, $($exact:item)*) => {
         impl Number for $F {
             #[inline(always)]
             fn ratio(n: f64, d: f64) -> Self {
@@ -38,6 +38,7 @@ macro_rules! plain {
 
         impl Shader for $F {
             type Raw = $F;
+            type Wide = $Wide;
             #[inline(always)]
             fn enter(raw: $F) -> Self {
                 raw
@@ -86,9 +87,9 @@ macro_rules! plain {
     };
 }
 
-plain!(f32, i32, 1.0 - f32::EPSILON / 2.0,);
+plain!(f32, Lean, i32, 1.0 - f32::EPSILON / 2.0,);
 plain! {
-    f64, i64, 1.0 - f64::EPSILON / 2.0,
+    f64, Self, i64, 1.0 - f64::EPSILON / 2.0,
     /// A f32 times 2³² − 1 needs 56 bits. What the product loses is exact by `fma`, and decides
     /// where the rounded product is halfway between two integers.
     #[inline(always)]

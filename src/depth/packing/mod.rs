@@ -19,6 +19,9 @@ pub use text::TextPair;
 pub trait Pair: Copy + Send + Sync {
     /// How many of the four channels carry the depth.
     const CHANNELS: usize = 4;
+    /// Whether depths of [2⁻⁶⁴, 1] keep to what [`Lean`](super::arith::Lean) asks; its constants are
+    /// then known when it is compiled.
+    const LEAN: bool = true;
     /// The channel values before the store; unused channels are 0.
     fn pack<A: Number>(&self, z: A) -> [A; 4];
     /// The depth of four sampled channels.

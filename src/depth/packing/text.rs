@@ -193,6 +193,8 @@ impl TextPair {
 }
 
 impl Pair for TextPair {
+    /// A user's scale may be infinite.
+    const LEAN: bool = false;
     #[inline(always)]
     fn pack<A: Number>(&self, z: A) -> [A; 4] {
         let q = A::ratio(1.0, self.base);

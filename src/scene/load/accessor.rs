@@ -8,13 +8,14 @@ use gltf::accessor::{DataType, Dimensions};
 struct Elements<'a> {
     bytes: &'a [u8],
     stride: usize,
-    size: usize,
     count: usize,
 }
 
-impl<'a> Elements<'a> {
-    fn iter(&self) -> impl Iterator<Item = &'a [u8]> + '_ {
-        (0..self.count).map(|i| &self.bytes[i * self.stride..i * self.stride + self.size])
+impl Elements<'_> {
+    /// Each element of N bytes as `read` reads it.
+    fn read<T, const N: usize>(&self, read: impl Fn([u8; N]) -> T) -> Vec<T> {
+        let element = |i: usize| self.bytes.get(i * self.stride..)?.first_chunk().copied();
+        (0..self.count).map_while(element).map(read).collect()
     }
 }
 
@@ -47,12 +48,9 @@ fn elements<'a>(
         buffer.get(usize::try_from(s).ok()?..usize::try_from(end).ok()?)
     });
     match range {
-        Some(bytes) if within_view => Ok(Elements {
-            bytes,
-            stride: stride as usize,
-            size: size as usize,
-            count: count as usize,
-        }),
+        Some(bytes) if within_view => {
+            Ok(Elements { bytes, stride: stride as usize, count: count as usize })
+        }
         _ => Err(bad(format!("reads beyond its buffer of {} bytes", buffer.len()))),
     }
 }
@@ -75,9 +73,10 @@ pub(super) fn positions(
             "export without mesh quantization",
         ));
     }
-    let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
     let elements = elements(place, accessor, buffers)?;
-    Ok(elements.iter().map(|b| Vec3::new(float(b), float(&b[4..]), float(&b[8..]))).collect())
+    Ok(elements.read(|[a, b, c, d, e, f, g, h, i, j, k, l]| {
+        Vec3::from_array([[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(f32::from_le_bytes))
+    }))
 }
 
 /// Indices: one unsigned integer of 8, 16 or 32 bits each.
@@ -86,17 +85,16 @@ pub(super) fn indices(
     accessor: &gltf::Accessor<'_>,
     buffers: &[Vec<u8>],
 ) -> Result<Vec<u32>> {
-    let read: fn(&[u8]) -> u32 = match (accessor.data_type(), accessor.dimensions()) {
-        (DataType::U8, Dimensions::Scalar) => |b| u32::from(b[0]),
-        (DataType::U16, Dimensions::Scalar) => |b| u32::from(u16::from_le_bytes([b[0], b[1]])),
-        (DataType::U32, Dimensions::Scalar) => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-        _ => {
-            return Err(Error::bad_input(
-                place,
-                "indices are no unsigned integers",
-                "export the scene again",
-            ));
+    let elements = || elements(place, accessor, buffers);
+    match (accessor.data_type(), accessor.dimensions()) {
+        (DataType::U8, Dimensions::Scalar) => Ok(elements()?.read(|[b]| u32::from(b))),
+        (DataType::U16, Dimensions::Scalar) => {
+            Ok(elements()?.read(|b| u32::from(u16::from_le_bytes(b))))
         }
-    };
-    Ok(elements(place, accessor, buffers)?.iter().map(read).collect())
+        (DataType::U32, Dimensions::Scalar) => Ok(elements()?.read(u32::from_le_bytes)),
+        _ => {
+            let reason = "indices are no unsigned integers";
+            Err(Error::bad_input(place, reason, "export the scene again"))
+        }
+    }
 }

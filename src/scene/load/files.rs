@@ -16,11 +16,19 @@ pub struct Limits {
     pub indices: u64,
     /// Depth of the node tree.
     pub depth: usize,
+    /// Leave damaged triangles and nodes out, and note how many, where they would be refused.
+    pub lenient: bool,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { bytes: 512 << 20, vertices: 100_000_000, indices: 200_000_000, depth: 1024 }
+        Self {
+            bytes: 512 << 20,
+            vertices: 100_000_000,
+            indices: 200_000_000,
+            depth: 1024,
+            lenient: false,
+        }
     }
 }
 
@@ -40,6 +48,10 @@ impl Budget {
 
     pub(super) fn depth(&self) -> usize {
         self.limits.depth
+    }
+
+    pub(super) fn is_lenient(&self) -> bool {
+        self.limits.lenient
     }
 
     fn spend(place: &str, what: &str, spent: &mut u64, more: u64, limit: u64) -> Result<()> {

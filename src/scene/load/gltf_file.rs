@@ -1,13 +1,13 @@
 //! glTF 2.0 and GLB: meshes under their node transforms, the first light and camera.
 
 use super::files::Budget;
-use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, check_indices, check_positions};
-use crate::scene::shapes::Mesh;
+use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, repair};
 use crate::{Error, Result};
 use glam::{DVec3, Mat4, Vec3};
 use gltf::buffer::Source;
 use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
+use std::collections::HashSet;
 use std::path::Path;
 
 pub(super) fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
@@ -87,12 +87,12 @@ impl Reader<'_> {
     fn read_nodes(&mut self, document: &gltf::Document) -> Result<()> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let scene = scene.ok_or_else(|| self.bad("scenes", "there is none", "export a scene"))?;
-        let mut seen = vec![false; document.nodes().len()];
+        let mut seen = HashSet::new();
         let mut stack: Vec<_> = scene.nodes().map(|n| (n, Mat4::IDENTITY, 0)).collect();
         stack.reverse();
         while let Some((node, parent, depth)) = stack.pop() {
             let at = format!("nodes[{}]", node.index());
-            if std::mem::replace(&mut seen[node.index()], true) {
+            if !seen.insert(node.index()) {
                 return Err(self.bad(&at, "is reached twice", "give each node one parent"));
             }
             if depth > self.budget.depth() {
@@ -101,11 +101,14 @@ impl Reader<'_> {
             }
             let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
             if !world.is_finite() || world.determinant() == 0.0 {
-                return Err(self.bad(
-                    &at,
-                    "its matrix is singular or not finite",
-                    "repair the node",
-                ));
+                let reason = "its matrix is singular or not finite";
+                if self.budget.is_lenient() {
+                    self.scene
+                        .notes
+                        .push(format!("{at} and what hangs on it are left out: {reason}"));
+                    continue;
+                }
+                return Err(self.bad(&at, reason, "repair the node, or take --lenient"));
             }
             self.read_node(&node, world)?;
             let children: Vec<_> = node.children().collect();
@@ -154,14 +157,8 @@ impl Reader<'_> {
             }
             None => (0..positions.len() as u32).collect(),
         };
-        if indices.len() % 3 != 0 {
-            let reason = format!("has {} indices, no multiple of 3", indices.len());
-            return Err(self.bad(&at, reason, "export triangles"));
-        }
-        let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-        let mesh_out = Mesh::new(positions, triangles, base_colour(primitive));
-        check_positions(&place, &mesh_out)?;
-        check_indices(&place, &mesh_out)?;
+        let (given, colour) = ((positions, indices), base_colour(primitive));
+        let mesh_out = repair::mesh(&place, given, colour, &self.budget, &mut self.scene.notes)?;
         let name = node.name().or(mesh.name()).unwrap_or("mesh");
         let part = format!("{name}#{}", self.scene.parts.len());
         self.scene.parts.push((part, mesh_out, world));

@@ -4,10 +4,14 @@
 //! Only geometry, node transforms, the first camera and the first directional or spot light are read;
 //! images and materials never are. Files named by a scene stay inside its folder.
 
+// A reader may not panic on what a file says.
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
+
 mod accessor;
 mod files;
 mod gltf_file;
 mod obj_file;
+mod repair;
 
 use super::shapes::Mesh;
 use crate::{Error, Result};
@@ -100,30 +104,4 @@ fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
         ));
     }
     Ok(scene)
-}
-
-/// Refuses coordinates that are not finite or beyond 10³⁰, naming the first.
-fn check_positions(place: &str, mesh: &Mesh) -> Result<()> {
-    let bad = mesh.positions.iter().position(|p| !p.is_finite() || p.abs().max_element() > 1e30);
-    bad.map_or(Ok(()), |i| {
-        Err(Error::bad_input(
-            place,
-            format!("vertex {i} is {}, not a number within 1e30", mesh.positions[i]),
-            "repair the mesh",
-        ))
-    })
-}
-
-/// Refuses indices beyond the vertices, naming the first.
-fn check_indices(place: &str, mesh: &Mesh) -> Result<()> {
-    let count = mesh.positions.len();
-    let bad = mesh.triangles.iter().flatten().position(|&i| i as usize >= count);
-    bad.map_or(Ok(()), |at| {
-        let index = mesh.triangles[at / 3][at % 3];
-        Err(Error::bad_input(
-            place,
-            format!("index {at} is {index}, but there are {count} vertices"),
-            "repair the mesh",
-        ))
-    })
 }

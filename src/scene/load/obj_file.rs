@@ -1,8 +1,7 @@
 //! Wavefront OBJ: positions and faces only; material files are never opened.
 
 use super::files::Budget;
-use super::{LoadedScene, check_indices, check_positions};
-use crate::scene::shapes::Mesh;
+use super::{LoadedScene, repair};
 use crate::{Error, Result};
 use glam::{Mat4, Vec3};
 use std::path::Path;
@@ -23,15 +22,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<Load
         if mesh.indices.is_empty() {
             continue;
         }
-        if mesh.indices.len() % 3 != 0 {
-            let reason = format!("has {} indices, no multiple of 3", mesh.indices.len());
-            return Err(Error::bad_input(at, reason, "export triangles"));
-        }
         let positions = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
-        let triangles = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-        let mesh = Mesh::new(positions, triangles, Vec3::splat(0.8));
-        check_positions(&at, &mesh)?;
-        check_indices(&at, &mesh)?;
+        let given = (positions, mesh.indices);
+        let mesh = repair::mesh(&at, given, Vec3::splat(0.8), &budget, &mut scene.notes)?;
         scene.parts.push((format!("{}#{i}", model.name), mesh, Mat4::IDENTITY));
     }
     Ok(scene)
