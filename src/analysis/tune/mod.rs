@@ -1,5 +1,7 @@
 //! The bias that a scene needs, in an engine's own parameters.
 
+mod cheapest;
+
 use super::budget::Budget;
 use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
 use super::sweep::tally::{Kind, Tally};
@@ -8,9 +10,11 @@ use crate::depth::DepthFormat;
 use crate::engines::{Engine, Knob, Place};
 use crate::report::number::{percent, significant};
 use crate::report::{Block, Cell, Profile, Report, Section, Table};
-use crate::scene::{Case, Filter, TexelFormat};
+use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::slope::receiver_slope;
 use crate::shadow::bias::{NormalMove, Recipe};
+pub use cheapest::Configuration;
+use cheapest::cheapest;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -124,72 +128,6 @@ pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place>
     })
 }
 
-/// A configuration that meets the target.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
-    /// Map side, format and filter.
-    pub size: u32,
-    /// The texel format.
-    pub format: TexelFormat,
-    /// The filter.
-    pub filter: Filter,
-    /// Bytes of the map.
-    pub bytes: u64,
-    /// Value of the best knob.
-    pub value: f64,
-    /// Share of the truly shadowed that is lit there.
-    pub false_light: f64,
-}
-
-/// Bytes of a texel.
-const fn texel_bytes(format: TexelFormat) -> u64 {
-    match format {
-        TexelFormat::Depth(DepthFormat::Unorm8) => 1,
-        TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::F16) => 2,
-        _ => 4,
-    }
-}
-
-/// The cheapest map, by bytes and then fetches, on which some knob ends acne and lights no more of the
-/// shadow than `allowed`.
-fn cheapest(
-    field: &Field<'_>,
-    request: &Request,
-    knob: Knob,
-    allowed: f64,
-) -> Option<Configuration> {
-    let sizes = [128, 256, 512, 1024, 2048];
-    let formats =
-        [DepthFormat::Unorm16, DepthFormat::Unorm24, DepthFormat::F32].map(TexelFormat::Depth);
-    let filters =
-        [Filter::Nearest, field.case().lookup.filter].map(|f| usable_filter(f, formats[0]));
-    let mut options: Vec<(u64, u32, u32, TexelFormat, Filter)> = Vec::new();
-    for size in sizes {
-        for format in formats {
-            for filter in filters {
-                let bytes = u64::from(size) * u64::from(size) * texel_bytes(format);
-                options.push((bytes, filter.fetches(), size, format, filter));
-            }
-        }
-    }
-    options.sort_by_key(|&(bytes, fetches, ..)| (bytes, fetches));
-    options.into_iter().find_map(|(bytes, _, size, format, filter)| {
-        let chart = Chart::new(field, size, filter, Attachment::of(format));
-        let tuned = Tuned::new(&chart, format, knob, request.max_acne);
-        let light = tuned.swept.acne_free?.tally.false_light() as f64;
-        let false_light = light / field.populations[1].max(1) as f64;
-        let value = tuned.value?;
-        (false_light <= allowed).then_some(Configuration {
-            size,
-            format,
-            filter,
-            bytes,
-            value,
-            false_light,
-        })
-    })
-}
-
 fn shares(tally: &Tally, populations: [u64; 2]) -> Vec<Cell> {
     let share = |kind: Kind| {
         let of = populations[usize::from(!kind.is_shadow())].max(1) as f64;
@@ -259,14 +197,6 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     tally
 }
 
-/// The fetches of one look-up in words.
-fn fetches(filter: Filter) -> String {
-    match filter.fetches() {
-        1 => "1 fetch".into(),
-        n => format!("{n} fetches"),
-    }
-}
-
 /// The report of one request.
 #[must_use]
 pub fn report(request: &Request) -> Report {
@@ -315,11 +245,7 @@ pub fn report(request: &Request) -> Report {
     let mut lead = vec![answer(request, best, &rows, populations, &reason)];
     lead.push(cheap.as_ref().map_or_else(
         || "No smaller configuration meets the target.".to_string(),
-        |c| format!(
-            "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {4}, {5} = {6}).",
-            c.size, c.format.name(), c.filter, c.bytes, fetches(c.filter), knob.name,
-            significant(c.value, 4),
-        ),
+        |c| c.sentence(knob),
     ));
     lead.push(budget.sentence(&case.name));
     if !engine.remark().is_empty() {
