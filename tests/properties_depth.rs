@@ -84,8 +84,8 @@ proptest! {
         prop_assert!((ours - exact).abs() <= 5.0 * spacing, "{ours} {exact}");
     }
 
-    /// R6, biased to trouble: back again within 4·2⁻⁵³·Z²(f − n)/(nf) + 2 ulp(Z), which is a few ulps of the depth times
-    /// dZ/dd.
+    /// R6, biased to trouble: back again within twice 4·2⁻⁵³·Z²(f − n)/(nf) + 2 ulp(Z): the window depth
+    /// itself is up to 5 ulp off, times dZ/dd.
     #[test]
     fn distance_comes_back(mapping in mapping(), t in 0.0..1.0f64) {
         let (n, f) = (mapping.near(), mapping.far());
