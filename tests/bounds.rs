@@ -1,5 +1,6 @@
 //! Every measured round-trip error against its proved bound, side by side.
 
+use gnomon::analysis::roundtrip::curve::error_curve;
 use gnomon::analysis::roundtrip::{Conditions, Effort, Method};
 use gnomon::depth::{Arithmetic, ByteStore, Packing, UnormLoad};
 use gnomon::simd::Level;
@@ -55,4 +56,18 @@ fn no_float_exceeds_the_proved_bound() {
     let loads = [UnormLoad::Divide, UnormLoad::Reciprocal];
     let checked = check_bounds(Method::Pruned, ByteStore::ALL, &loads);
     assert!(checked > 200, "{checked} combinations have a bound");
+}
+
+/// The drawn curve shows errors that last a few ulps beside a code boundary: that of June 2007 doubles
+/// there, above half the depth alone, and stays within its bound in every slice.
+#[test]
+fn drawn_curves_show_peaks_at_code_boundaries() {
+    let slices = error_curve(Packing::Aras2007, Conditions::plain(ByteStore::HalfEven), 64);
+    let largest = |slices: &[gnomon::analysis::roundtrip::curve::Slice]| {
+        slices.iter().map(|s| s.measured).fold(0.0, f64::max)
+    };
+    let (below, above) = slices.split_at(32);
+    assert!(largest(below) < 0.004, "{:e}", largest(below));
+    assert_eq!(largest(above), 0.007858633995056152);
+    assert!(slices.iter().all(|s| s.theory.is_some_and(|bound| s.measured <= bound)));
 }

@@ -1,6 +1,6 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
-use super::footprint::Footprint;
+use super::footprint::{Footprint, centre};
 use super::{Few, ShadowMap, sampler};
 use crate::device::{Device, NearestCoord};
 use crate::scene::{Filter, TexelFormat, Wrap};
@@ -44,13 +44,7 @@ impl Taps {
     /// The tap in the middle, or the heaviest where weights differ.
     #[must_use]
     pub fn centre(&self) -> usize {
-        let heaviest = |best: usize, i: usize| {
-            if self.weights[i] > self.weights[best] { i } else { best }
-        };
-        match self.weights.len() {
-            0 => self.depths.len() / 2,
-            n => (0..n).fold(0, heaviest),
-        }
+        centre(self.depths.len(), !self.weights.is_empty(), |i| self.weights[i])
     }
 
     /// Weight of each tap where they differ; they add up to 1.

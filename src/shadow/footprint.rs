@@ -37,6 +37,12 @@ pub struct Footprint {
     pub mixed: Option<Mix>,
 }
 
+/// Of `count` taps the one in the middle, or the heaviest (the first of equals) where shares differ.
+pub(super) fn centre(count: usize, weighted: bool, weight: impl Fn(usize) -> f64) -> usize {
+    let heaviest = |best: usize, i: usize| if weight(i) > weight(best) { i } else { best };
+    if weighted { (0..count).fold(0, heaviest) } else { count / 2 }
+}
+
 /// Radius of the disks of sixteen, in texels.
 const DISK: f64 = 2.0;
 
@@ -50,13 +56,7 @@ impl Footprint {
     /// The tap in the middle, or the heaviest where shares differ.
     #[must_use]
     pub fn centre(&self) -> usize {
-        let heaviest = |best: usize, i: usize| {
-            if self.taps[i].weight > self.taps[best].weight { i } else { best }
-        };
-        match self.weighted {
-            true => (0..self.taps.len()).fold(0, heaviest),
-            false => self.taps.len() / 2,
-        }
+        centre(self.taps.len(), self.weighted, |i| self.taps[i].weight)
     }
 
     /// Places the taps of `filter` at (u, v) of a map of `size`² texels; `fixed` as in

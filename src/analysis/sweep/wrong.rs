@@ -23,6 +23,12 @@ pub struct Wrong {
 }
 
 impl Wrong {
+    /// A receiver that is lit without a look-up.
+    fn unlooked(receiver: u32, sample: &Sample) -> Option<Self> {
+        let lost = Self { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
+        (!sample.lit).then_some(lost)
+    }
+
     /// Adds it to a tally.
     pub fn tally(&self, tally: &mut Tally) {
         tally.kinds[self.kind as usize] += 1;
@@ -102,8 +108,7 @@ impl Chart<'_, '_> {
             let i = receiver as usize;
             let sample = &self.field.samples[i];
             let Some(coord) = moves.coord(i) else {
-                let lost = Wrong { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
-                found.iter_mut().filter(|_| !sample.lit).for_each(|list| list.push(lost));
+                found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, sample)));
                 continue;
             };
             footprint.place(self.filter, wrap, self.size, self.fixed, [coord[0], coord[1]]);
@@ -141,8 +146,7 @@ impl Verdicts<'_> {
         let (chart, follow) = (self.chart, self.recipe.follow);
         let spec = &chart.field.case().lookup;
         if spec.range_test && !shadow::in_square(coord) {
-            let lost = Wrong { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
-            return (!sample.lit).then_some(lost);
+            return Wrong::unlooked(receiver, sample);
         }
         let taps = footprint.taps();
         let is_wrong = |i: usize, depth: f32| {
