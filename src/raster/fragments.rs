@@ -1,7 +1,7 @@
 //! Every fragment over chosen texels, kept so that any offset, culling or layer can be resolved from
 //! one pass.
 
-use super::{PolygonOffset, Setup, depth_key};
+use super::{Plane, PolygonOffset, Setup, depth_key};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::scene::Cull;
@@ -22,10 +22,12 @@ pub struct Resolve<'s> {
     pub depth_buffer: DepthFormat,
     /// Faces left out.
     pub cull: Cull,
-    /// Offset of each triangle ([`Fragments::offsets`]).
-    pub offsets: &'s [f32],
-    /// Written instead of a fragment's depth: (front face, depth) → depth.
-    pub write: &'s dyn Fn(bool, f32) -> f32,
+    /// Polygon offset.
+    pub offset: PolygonOffset,
+    /// Format whose resolvable difference the offset counts.
+    pub resolvable: DepthFormat,
+    /// Written instead of a fragment's depth, if anything: (front face, depth) → depth.
+    pub write: Option<&'s dyn Fn(bool, f32) -> f32>,
 }
 
 /// Fragments over a set of texels, in drawing order.
@@ -82,10 +84,18 @@ impl Fragments {
         Self { device: *device, size, setups, slots, texels, starts, triangles }
     }
 
-    /// Polygon offset of every triangle in a depth buffer of `format`.
-    #[must_use]
-    pub fn offsets(&self, format: DepthFormat, offset: PolygonOffset) -> Vec<f32> {
-        self.setups.iter().map(|(setup, _)| setup.offset(&self.device, format, offset)).collect()
+    /// The depth of every triangle under a pass, and whether its front is seen; `None` where it is culled.
+    fn planes(&self, pass: &Resolve<'_>) -> Vec<Option<(bool, Plane)>> {
+        let of = |(setup, front): &(Setup, bool)| {
+            let culled = match pass.cull {
+                Cull::None => false,
+                Cull::Back => !front,
+                Cull::Front => *front,
+            };
+            let offset = || setup.offset(&self.device, pass.resolvable, pass.offset);
+            (!culled).then(|| (*front, setup.depth().moved(offset())))
+        };
+        self.setups.iter().map(of).collect()
     }
 
     /// The value of a quantity over w at a texel's centre, given at the three vertices of `triangle`:
@@ -107,57 +117,64 @@ impl Fragments {
         slot as usize
     }
 
+    /// The texel of a slot.
+    #[must_use]
+    pub fn texel(&self, slot: usize) -> u32 {
+        self.texels[slot]
+    }
+
     /// Something of every wanted texel, by slot.
     #[must_use]
     pub fn over_texels<T>(&self, of: impl Fn(u32) -> T) -> Vec<T> {
         self.texels.iter().map(|&texel| of(texel)).collect()
     }
 
-    /// The nearest surface over a texel and the second nearest, as a depth test LESS into a buffer
-    /// cleared to 1 would meet them: of equal codes the first drawn wins. Bit for bit what
-    /// [`super::draw`] writes.
-    ///
-    /// # Panics
-    /// Where the texel was not wanted.
+    /// How many texels were wanted.
     #[must_use]
-    pub fn layers(&self, texel: u32, pass: &Resolve<'_>) -> [Option<Layer>; 2] {
-        let slot = self.slot(texel);
-        let range = self.starts[slot] as usize..self.starts[slot + 1] as usize;
-        let key_of = depth_key(&self.device, pass.depth_buffer);
-        let clear = key_of(1.0);
-        let mut found: [Option<(u32, Layer)>; 2] = [None; 2];
-        for &triangle in &self.triangles[range] {
-            let Some(depth) = self.depth(texel, triangle, pass) else { continue };
-            let (key, layer) = (key_of(depth), Layer { depth, triangle });
-            let before = |kept: &Option<(u32, Layer)>| kept.is_none_or(|(k, _)| key < k);
-            if key >= clear {
-                continue;
-            }
-            if before(&found[0]) {
-                found = [Some((key, layer)), found[0]];
-            } else if before(&found[1]) {
-                found[1] = Some((key, layer));
-            }
-        }
-        found.map(|kept| kept.map(|(_, layer)| layer))
+    pub fn len(&self) -> usize {
+        self.texels.len()
     }
 
-    fn depth(&self, texel: u32, triangle: u32, pass: &Resolve<'_>) -> Option<f32> {
-        let (setup, front) = &self.setups[triangle as usize];
-        let culled = match pass.cull {
-            Cull::None => false,
-            Cull::Back => !front,
-            Cull::Front => *front,
-        };
-        if culled {
-            return None;
+    /// Whether none was.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.texels.is_empty()
+    }
+
+    /// Of each slot the nearest surface over its texel and the second nearest, as a depth test LESS into
+    /// a buffer cleared to 1 would meet them: of equal codes the first drawn wins. Bit for bit what
+    /// [`super::draw`] writes. `found` is called with the place in `slots`.
+    pub fn resolve(
+        &self,
+        slots: &[u32],
+        pass: &Resolve<'_>,
+        mut found: impl FnMut(usize, [Option<Layer>; 2]),
+    ) {
+        let key_of = depth_key(&self.device, pass.depth_buffer);
+        let (clear, planes) = (key_of(1.0), self.planes(pass));
+        for (k, &slot) in slots.iter().enumerate() {
+            let range = self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
+            let texel = self.texels[slot as usize];
+            let at = [texel % self.size, texel / self.size].map(|c| c as f32);
+            let mut layers: [Option<(u32, Layer)>; 2] = [None; 2];
+            for &triangle in &self.triangles[range] {
+                let Some((front, plane)) = &planes[triangle as usize] else { continue };
+                let z = plane.row(at[1]).at(at[0]);
+                let z = pass.write.map_or(z, |write| write(*front, z));
+                let depth = if self.device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z };
+                let (key, layer) = (key_of(depth), Layer { depth, triangle });
+                let before = |kept: &Option<(u32, Layer)>| kept.is_none_or(|(k, _)| key < k);
+                if key >= clear {
+                    continue;
+                }
+                if before(&layers[0]) {
+                    layers = [Some((key, layer)), layers[0]];
+                } else if before(&layers[1]) {
+                    layers[1] = Some((key, layer));
+                }
+            }
+            found(k, layers.map(|kept| kept.map(|(_, layer)| layer)));
         }
-        let plane = setup.depth().moved(pass.offsets[triangle as usize]);
-        let z = (pass.write)(
-            *front,
-            plane.row((texel / self.size) as f32).at((texel % self.size) as f32),
-        );
-        Some(if self.device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z })
     }
 }
 

@@ -8,7 +8,7 @@ use crate::simd::{Kernel, Level};
 use rayon::prelude::*;
 
 /// Depths that a thread stores at a time: they stay in its cache.
-const RUN: usize = 1 << 13;
+pub(super) const RUN: usize = 1 << 13;
 
 /// Depths as they come back from texels of `format`: [`Device::stored_depth`] of each.
 pub(super) fn depths(device: &Device, format: DepthFormat, depth: &[f32], out: &mut Vec<f32>) {
@@ -43,7 +43,7 @@ pub(super) fn bytes(
 }
 
 /// A list of so many items; its memory is used again.
-fn resized<T: Copy>(list: &mut Vec<T>, len: usize, zero: T) {
+pub(super) fn resized<T: Copy>(list: &mut Vec<T>, len: usize, zero: T) {
     if list.len() != len {
         *list = vec![zero; len];
     }
@@ -213,7 +213,7 @@ struct Bytes<'a, P, const STORE: u8> {
 }
 
 /// Texels packed at a time.
-const LANES: usize = 16;
+pub(super) const LANES: usize = 16;
 
 impl<P: Pair, const STORE: u8> Kernel for Bytes<'_, P, STORE> {
     type Output = ();

@@ -1,7 +1,8 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
-use super::footprint::{Footprint, centre};
+use super::footprint::{Footprint, Sampling, centre};
 use super::{Few, ShadowMap, sampler};
+use crate::depth::Packing;
 use crate::device::{Device, NearestCoord};
 use crate::scene::{Filter, TexelFormat, Wrap};
 
@@ -79,7 +80,7 @@ impl ShadowMap {
         }
         let mut footprint = Footprint::default();
         let fixed = fixed_coordinates(device, self.format());
-        footprint.place(filter, wrap, self.size(), fixed, [u, v]);
+        footprint.place(&Sampling { filter, wrap, size: self.size(), fixed }, [u, v]);
         read(self, device, &footprint)
     }
 
@@ -118,19 +119,26 @@ pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint) -> Taps {
     }
 }
 
-/// LINEAR: bytes are mixed in f32 on 0…255 (x before y), times f32(1/255), then decoded; depth
-/// textures without a compare mode read 0, as measured.
+/// LINEAR: the bytes of four texels, mixed and decoded ([`mix`]); depth textures without a compare mode
+/// read 0, as measured.
 #[must_use]
 pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint) -> f32 {
-    let (Some(mix), TexelFormat::Packed(packing)) = (footprint.mixed, map.format()) else {
+    let (Some(mixed), TexelFormat::Packed(packing)) = (footprint.mixed, map.format()) else {
         return 0.0;
     };
-    let bytes = mix.texels.map(|texel| map.bytes(texel as usize).unwrap_or_default());
+    let bytes = mixed.texels.map(|texel| map.bytes(texel as usize).unwrap_or_default());
+    mix(device, packing, &bytes, mixed.weights)
+}
+
+/// The depth that LINEAR makes of four texels: bytes are mixed in f32 on 0…255 (x before y), times
+/// f32(1/255), then decoded.
+#[must_use]
+pub fn mix(device: &Device, packing: Packing, bytes: &[[u8; 4]; 4], weights: [f32; 2]) -> f32 {
     let scale = device.load.value(1, 255);
     let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
     packing.unpack(std::array::from_fn(|c| {
         let [p, q, r, s] = bytes.map(|texel| f32::from(texel[c]));
-        let (low, high) = (lerp(p, q, mix.weights[0]), lerp(r, s, mix.weights[0]));
-        lerp(low, high, mix.weights[1]) * scale
+        let (low, high) = (lerp(p, q, weights[0]), lerp(r, s, weights[0]));
+        lerp(low, high, weights[1]) * scale
     }))
 }

@@ -4,6 +4,19 @@ use super::sampler;
 use crate::scene::{Filter, Wrap};
 use std::sync::OnceLock;
 
+/// How look-ups of a map find their texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Texels read.
+    pub filter: Filter,
+    /// What lies beyond the edges.
+    pub wrap: Wrap,
+    /// Texels per side.
+    pub size: u32,
+    /// Whether NEAREST coordinates are fixed point ([`sampler::nearest_texel`]).
+    pub fixed: bool,
+}
+
 /// One comparison of a look-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tap {
@@ -11,9 +24,14 @@ pub struct Tap {
     pub texel: u32,
     /// Its share of the visibility; all shares add up to 1.
     pub weight: f64,
-    /// From the coordinate to the point that the filter samples, in units of u and v.
+}
+
+/// From the coordinate of a look-up to what one of its taps stands for, in units of u and v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offset {
+    /// To the point that the filter samples.
     pub sample: [f32; 2],
-    /// From the coordinate to the centre of the texel, in units of u and v.
+    /// To the centre of the texel.
     pub centre: [f32; 2],
 }
 
@@ -31,6 +49,8 @@ pub struct Mix {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Footprint {
     taps: Vec<Tap>,
+    /// Of each tap, where they were asked for.
+    offsets: Vec<Offset>,
     /// Whether shares differ.
     pub weighted: bool,
     /// For LINEAR, what is mixed.
@@ -46,11 +66,51 @@ pub(super) fn centre(count: usize, weighted: bool, weight: impl Fn(usize) -> f64
 /// Radius of the disks of sixteen, in texels.
 const DISK: f64 = 2.0;
 
+/// What a filter compares, points in texels around the coordinate.
+enum Shape {
+    /// The texels under each point.
+    Points(&'static [[f32; 2]]),
+    /// The texels under n×n points one texel apart.
+    Square(usize),
+    /// The four texels around each point, by their distance.
+    Bilinear(&'static [[f32; 2]]),
+    /// One depth made of four texels.
+    Mix,
+}
+
+/// The widest square.
+const WIDEST: usize = 9;
+
+fn shape(filter: Filter) -> Shape {
+    match filter {
+        Filter::Nearest => Shape::Points(&[[0.0; 2]]),
+        Filter::Linear => Shape::Mix,
+        Filter::Pcf3 => Shape::Square(3),
+        Filter::Pcf5 => Shape::Square(5),
+        Filter::Pcf7 => Shape::Square(7),
+        Filter::Pcf9 => Shape::Square(WIDEST),
+        Filter::Bilinear => Shape::Bilinear(&[[0.0; 2]]),
+        Filter::Pcf3Bilinear => Shape::Bilinear(&GRID3),
+        Filter::Poisson16 => Shape::Points(poisson16()),
+        Filter::Vogel16 => Shape::Points(vogel16()),
+        Filter::Vogel5Bilinear => Shape::Bilinear(vogel5()),
+    }
+}
+
 impl Footprint {
     /// The taps, row by row or along the disk.
     #[must_use]
     pub fn taps(&self) -> &[Tap] {
         &self.taps
+    }
+
+    /// Where tap `i` samples.
+    ///
+    /// # Panics
+    /// Unless the taps were placed with their offsets.
+    #[must_use]
+    pub fn offset(&self, i: usize) -> Offset {
+        self.offsets[i]
     }
 
     /// The tap in the middle, or the heaviest where shares differ.
@@ -59,59 +119,75 @@ impl Footprint {
         centre(self.taps.len(), self.weighted, |i| self.taps[i].weight)
     }
 
-    /// Places the taps of `filter` at (u, v) of a map of `size`² texels; `fixed` as in
-    /// [`sampler::nearest_texel`].
-    pub fn place(&mut self, filter: Filter, wrap: Wrap, size: u32, fixed: bool, uv: [f32; 2]) {
+    /// Places the taps of a look-up at (u, v), without their offsets.
+    pub fn place(&mut self, sampling: &Sampling, uv: [f32; 2]) {
         self.taps.clear();
+        self.offsets.clear();
         (self.weighted, self.mixed) = (false, None);
-        let at = Place { wrap, size, fixed, uv };
-        match filter {
-            Filter::Nearest => self.taps.push(at.nearest([0.0; 2], 1.0)),
-            Filter::Linear => self.mix(&at),
-            Filter::Pcf3 => self.square(&at, 3),
-            Filter::Pcf5 => self.square(&at, 5),
-            Filter::Pcf7 => self.square(&at, 7),
-            Filter::Pcf9 => self.square(&at, 9),
-            Filter::Bilinear => self.bilinear(&at, &[[0.0; 2]]),
-            Filter::Pcf3Bilinear => self.bilinear(&at, &grid(3)),
-            Filter::Poisson16 => self.points(&at, poisson16()),
-            Filter::Vogel16 => self.points(&at, vogel16()),
-            Filter::Vogel5Bilinear => self.bilinear(&at, vogel5()),
+        let at = Place { sampling, uv };
+        match shape(sampling.filter) {
+            Shape::Points(points) => {
+                let weight = 1.0 / points.len() as f64;
+                self.taps.extend(points.iter().map(|&p| Tap { texel: at.nearest(p), weight }));
+            }
+            Shape::Square(n) => self.square(&at, n),
+            Shape::Bilinear(points) => self.bilinear(&at, points),
+            Shape::Mix => self.mix(&at),
         }
     }
 
-    fn square(&mut self, at: &Place, n: i32) {
-        self.points(at, &grid(n));
+    /// The same with the offset of every tap.
+    pub fn place_with_offsets(&mut self, sampling: &Sampling, uv: [f32; 2]) {
+        self.place(sampling, uv);
+        let at = Place { sampling, uv };
+        match shape(sampling.filter) {
+            Shape::Points(points) => self.offsets.extend(points.iter().map(|&p| at.offset(p))),
+            Shape::Square(n) => {
+                let half = n as i32 / 2;
+                let row = |y: i32| (-half..=half).map(move |x| [x as f32, y as f32]);
+                self.offsets.extend((-half..=half).flat_map(row).map(|p| at.offset(p)));
+            }
+            Shape::Bilinear(points) => {
+                let around = points.iter().flat_map(|&p| at.around(p));
+                self.offsets.extend(around.filter(|(tap, _)| tap.weight > 0.0).map(|(_, o)| o));
+            }
+            Shape::Mix => self.offsets.resize(4, at.offset([0.0; 2])),
+        }
     }
 
-    fn points(&mut self, at: &Place, offsets: &[[f32; 2]]) {
-        let weight = 1.0 / offsets.len() as f64;
-        self.taps.extend(offsets.iter().map(|&o| at.nearest(o, weight)));
+    /// The texels under n×n points one texel apart, row by row.
+    fn square(&mut self, at: &Place<'_>, n: usize) {
+        let axis = |axis: usize| -> [u32; WIDEST] {
+            let mut texels = [0; WIDEST];
+            for (k, texel) in texels[..n].iter_mut().enumerate() {
+                *texel = at.nearest_along(axis, (k as i32 - n as i32 / 2) as f32);
+            }
+            texels
+        };
+        let ([xs, ys], weight) = ([0, 1].map(axis), 1.0 / (n * n) as f64);
+        for y in &ys[..n] {
+            let tap = |x: &u32| Tap { texel: y * at.sampling.size + x, weight };
+            self.taps.extend(xs[..n].iter().map(tap));
+        }
     }
 
     /// Bilinear comparisons around each point; comparisons of weight 0 are left out.
-    fn bilinear(&mut self, at: &Place, offsets: &[[f32; 2]]) {
+    fn bilinear(&mut self, at: &Place<'_>, points: &[[f32; 2]]) {
         self.weighted = true;
-        let share = 1.0 / offsets.len() as f64;
-        for &offset in offsets {
-            let axes = [0, 1].map(|axis| at.between(axis, offset[axis]));
-            for corner in 0..4 {
-                let side = [corner & 1, corner >> 1];
-                let weight = axes[0].weight(side[0]) * axes[1].weight(side[1]) * share;
-                if weight > 0.0 {
-                    let texel = axes[1].texels[side[1]] * at.size + axes[0].texels[side[0]];
-                    let centre = [axes[0].centres[side[0]], axes[1].centres[side[1]]];
-                    self.taps.push(Tap { texel, weight, sample: at.step(offset), centre });
-                }
-            }
+        let share = 1.0 / points.len() as f64;
+        for &point in points {
+            let around = at.around(point).map(|(tap, _)| tap).into_iter();
+            let heavy = around.filter(|tap| tap.weight > 0.0);
+            self.taps.extend(heavy.map(|tap| Tap { weight: tap.weight * share, ..tap }));
         }
     }
 
-    fn mix(&mut self, at: &Place) {
-        let nearest = at.nearest([0.0; 2], 1.0);
-        let ([x0, x1], fx) = sampler::linear_axis(at.uv[0], at.size, at.wrap);
-        let ([y0, y1], fy) = sampler::linear_axis(at.uv[1], at.size, at.wrap);
-        let texels = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| y * at.size + x);
+    fn mix(&mut self, at: &Place<'_>) {
+        let Sampling { size, wrap, .. } = *at.sampling;
+        let nearest = Tap { texel: at.nearest([0.0; 2]), weight: 1.0 };
+        let ([x0, x1], fx) = sampler::linear_axis(at.uv[0], size, wrap);
+        let ([y0, y1], fy) = sampler::linear_axis(at.uv[1], size, wrap);
+        let texels = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| y * size + x);
         self.mixed = Some(Mix { texels, weights: [fx, fy] });
         self.taps.resize(4, nearest);
         let others = texels.into_iter().filter(|&t| t != nearest.texel);
@@ -120,10 +196,8 @@ impl Footprint {
 }
 
 /// Where a look-up happens.
-struct Place {
-    wrap: Wrap,
-    size: u32,
-    fixed: bool,
+struct Place<'s> {
+    sampling: &'s Sampling,
     uv: [f32; 2],
 }
 
@@ -141,45 +215,68 @@ impl Between {
     }
 }
 
-impl Place {
-    /// An offset in texels as one in u and v: f32 product with f32(1/size).
-    fn step(&self, texels: [f32; 2]) -> [f32; 2] {
-        let step = 1.0 / self.size as f32;
-        texels.map(|t| t * step)
+impl Place<'_> {
+    /// An offset in texels as one in u or v: f32 product with f32(1/size).
+    fn step(&self, texels: f32) -> f32 {
+        texels * (1.0 / self.sampling.size as f32)
     }
 
-    fn nearest(&self, texels: [f32; 2], weight: f64) -> Tap {
-        let sample = self.step(texels);
-        let axis = |i: usize| {
-            let c = self.uv[i] + sample[i];
-            (sampler::nearest_texel(c, self.size, self.wrap, self.fixed), self.centre(i, c))
-        };
-        let ((x, centre_x), (y, centre_y)) = (axis(0), axis(1));
-        Tap { texel: y * self.size + x, weight, sample, centre: [centre_x, centre_y] }
+    /// Index along an axis of the texel so many texels away.
+    fn nearest_along(&self, axis: usize, texels: f32) -> u32 {
+        let Sampling { size, wrap, fixed, .. } = *self.sampling;
+        sampler::nearest_texel(self.uv[axis] + self.step(texels), size, wrap, fixed)
+    }
+
+    fn nearest(&self, texels: [f32; 2]) -> u32 {
+        let [x, y] = [0, 1].map(|axis| self.nearest_along(axis, texels[axis]));
+        y * self.sampling.size + x
+    }
+
+    fn offset(&self, texels: [f32; 2]) -> Offset {
+        let centre = |axis: usize| self.centre(axis, self.uv[axis] + self.step(texels[axis]));
+        Offset { sample: texels.map(|t| self.step(t)), centre: [0, 1].map(centre) }
     }
 
     /// From the coordinate to the centre of the texel that c falls into, along one axis.
     fn centre(&self, axis: usize, c: f32) -> f32 {
-        let size = f64::from(self.size);
+        let size = f64::from(self.sampling.size);
         (((f64::from(c) * size).floor() + 0.5) / size - f64::from(self.uv[axis])) as f32
     }
 
+    /// The four texels around a point: their shares of its comparison, their offsets.
+    fn around(&self, point: [f32; 2]) -> [(Tap, Offset); 4] {
+        let axes = [0, 1].map(|axis| self.between(axis, point[axis]));
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]: [usize; 2]| {
+            let texel = axes[1].texels[y] * self.sampling.size + axes[0].texels[x];
+            let centre = [axes[0].centres[x], axes[1].centres[y]];
+            let tap = Tap { texel, weight: axes[0].weight(x) * axes[1].weight(y) };
+            (tap, Offset { sample: point.map(|t| self.step(t)), centre })
+        })
+    }
+
     fn between(&self, axis: usize, texels: f32) -> Between {
-        let c = self.uv[axis] + self.step([texels, 0.0])[0];
-        let (pair, fraction) = sampler::linear_axis(c, self.size, self.wrap);
-        let size = f64::from(self.size);
+        let c = self.uv[axis] + self.step(texels);
+        let (pair, fraction) =
+            sampler::linear_axis(c, self.sampling.size, self.sampling.wrap);
+        let size = f64::from(self.sampling.size);
         let low = (f64::from(c) * size - 0.5).floor() + 0.5;
         let from = |position: f64| (position / size - f64::from(self.uv[axis])) as f32;
         Between { texels: pair, fraction, centres: [from(low), from(low + 1.0)] }
     }
 }
 
-/// n×n offsets in texels around 0, row by row.
-fn grid(n: i32) -> Vec<[f32; 2]> {
-    let half = n / 2;
-    let row = |y: i32| (-half..=half).map(move |x| [x as f32, y as f32]);
-    (-half..=half).flat_map(row).collect()
-}
+/// 3×3 offsets in texels around 0, row by row.
+const GRID3: [[f32; 2]; 9] = [
+    [-1.0, -1.0],
+    [0.0, -1.0],
+    [1.0, -1.0],
+    [-1.0, 0.0],
+    [0.0, 0.0],
+    [1.0, 0.0],
+    [-1.0, 1.0],
+    [0.0, 1.0],
+    [1.0, 1.0],
+];
 
 /// Vogel's disk: point i of n at radius √((i + ½)/n) and i golden angles.
 fn vogel(n: u32, radius: f64) -> Vec<[f32; 2]> {
@@ -243,11 +340,13 @@ mod tests {
         for &filter in Filter::ALL.iter().filter(|&&f| f != Filter::Linear) {
             for i in 0..200u32 {
                 let uv = [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
-                footprint.place(filter, Wrap::Clamp, 64, false, uv);
+                let sampling = Sampling { filter, wrap: Wrap::Clamp, size: 64, fixed: false };
+                footprint.place_with_offsets(&sampling, uv);
                 let sum: f64 = footprint.taps().iter().map(|t| t.weight).sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{filter}: shares add up to {sum}");
                 assert!(footprint.taps().len() as u32 <= filter.fetches(), "{filter}: fetches");
-                let reach = footprint.taps().iter().flat_map(|t| t.centre).map(|c| c.abs() * 64.0);
+                let offsets = (0..footprint.taps().len()).flat_map(|i| footprint.offset(i).centre);
+                let reach = offsets.map(|c| c.abs() * 64.0);
                 let farthest = f64::from(reach.fold(0.0, f32::max));
                 assert!(farthest <= filter.half_width() + 1e-4, "{filter}: reaches {farthest}");
             }
@@ -257,7 +356,9 @@ mod tests {
     #[test]
     fn a_bilinear_comparison_at_a_texel_centre_reads_that_texel_alone() {
         let mut footprint = Footprint::default();
-        footprint.place(Filter::Bilinear, Wrap::Clamp, 8, false, [2.5 / 8.0, 5.5 / 8.0]);
+        let sampling =
+            Sampling { filter: Filter::Bilinear, wrap: Wrap::Clamp, size: 8, fixed: false };
+        footprint.place(&sampling, [2.5 / 8.0, 5.5 / 8.0]);
         let taps: Vec<_> = footprint.taps().iter().map(|t| (t.texel, t.weight)).collect();
         assert_eq!(taps, [(42, 1.0)]);
     }

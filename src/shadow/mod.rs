@@ -1,6 +1,7 @@
 //! The shadow map: stored texels with the triangle that drew each, and how they are read back.
 
 pub mod bias;
+mod decode;
 mod encode;
 mod few;
 mod filter;
@@ -12,8 +13,8 @@ use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
 pub use few::Few;
-pub use filter::{Taps, Texels, fixed_coordinates, mixed_depth, read};
-pub use footprint::{Footprint, Mix, Tap};
+pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth, read};
+pub use footprint::{Footprint, Mix, Offset, Sampling, Tap};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 use rayon::prelude::*;
 
@@ -155,6 +156,40 @@ impl Texels for ShadowMap {
 
     fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
         Self::bytes(self, texel)
+    }
+}
+
+/// Many texels of a map, stored at once: of each [`texel_depth`] and [`texel_bytes`].
+#[derive(Clone, Debug)]
+pub struct Stored {
+    /// The depths that NEAREST look-ups return to the comparison.
+    pub depths: Vec<f32>,
+    /// The bytes of packed texels; none of depth textures.
+    pub bytes: Vec<[u8; 4]>,
+    /// The largest |stored − drawn|, rounded up; +∞ where one of them is not a number.
+    pub error: f32,
+}
+
+impl Stored {
+    /// Stores depths that were drawn where they are `covered`, and are 1 where they are not.
+    #[must_use]
+    pub fn new(
+        device: &Device,
+        spec: &MapSpec,
+        drawn: &[f32],
+        covered: impl Fn(usize) -> bool + Sync,
+    ) -> Self {
+        let (mut depths, mut bytes) = (Vec::new(), Vec::new());
+        match spec.texel {
+            TexelFormat::Depth(format) => encode::depths(device, format, drawn, &mut depths),
+            TexelFormat::Packed(packing) => {
+                let clear = stored_bytes(device, spec.clear);
+                encode::bytes(device, packing, drawn, clear, covered, &mut bytes);
+                decode::loaded(device, packing, &bytes, &mut depths);
+            }
+        }
+        let error = decode::error(drawn, &depths);
+        Self { depths, bytes, error }
     }
 }
 

@@ -3,15 +3,17 @@
 use super::field::{Field, Sample};
 use super::looks::Looks;
 use super::reading::Reading;
-use super::store::Decoded;
+use super::reads::Reads;
+use super::store::{Drawn, Known};
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, draw};
 use crate::scene::{DepthBuffer, Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Recipe, Site, Weights};
-use crate::shadow::{self, Footprint};
-use std::sync::{Arc, Mutex};
+use crate::shadow::{self, Footprint, Sampling};
+use rayon::prelude::*;
+use std::sync::Mutex;
 
 /// The formats of one raster: colour-packed passes keep the case's depth attachment and fixed-point
 /// coordinates, depth textures are their own attachment.
@@ -67,15 +69,19 @@ pub struct Chart<'f, 'a> {
     /// Texels read.
     pub filter: Filter,
     pub(in crate::analysis) attachment: Attachment,
-    /// Whether coordinates are fixed-point before the texel is chosen.
-    pub(super) fixed: bool,
+    pub(super) sampling: Sampling,
     pub(super) raster: Raster,
     pub(super) fragments: Fragments,
+    /// What the raster holds at every slot of the fragments; 1 where nothing is.
+    pub(super) own: Drawn<'static>,
     pub(super) footprints: Vec<Footprint>,
-    pub(super) casters: Vec<Vec<StoredCaster>>,
+    /// The slots that each receiver reads.
+    pub(super) reads: Reads,
+    /// Whose surface each of these slots holds.
+    casters: Vec<StoredCaster>,
     pub(super) sites: Vec<Site>,
-    /// Depths that texels return, by format, each decoded when it is first read.
-    pub(super) decoded: Mutex<Vec<(TexelFormat, Arc<Decoded>)>>,
+    /// The maps without a bias that were asked for.
+    pub(super) stored: Mutex<Vec<Known>>,
 }
 
 impl<'f, 'a> Chart<'f, 'a> {
@@ -96,35 +102,48 @@ impl<'f, 'a> Chart<'f, 'a> {
         let raster = draw(&device, &pass, clip, triangles);
         let fixed = attachment == Attachment::Colour
             && shadow::fixed_coordinates(&device, TexelFormat::Packed(Packing::R8));
+        let sampling = Sampling { filter, wrap: case.lookup.wrap, size, fixed };
         let place = |s: &Sample| {
             let mut footprint = Footprint::default();
-            footprint.place(filter, case.lookup.wrap, size, fixed, [s.coord[0], s.coord[1]]);
+            footprint.place_with_offsets(&sampling, [s.coord[0], s.coord[1]]);
             footprint
         };
-        let footprints: Vec<Footprint> = field.samples.iter().map(place).collect();
+        let footprints: Vec<Footprint> = field.samples.par_iter().map(place).collect();
         let wanted = wanted_texels(&footprints);
         let fragments = Fragments::collect(&device, size, clip, triangles, wanted.into_iter());
-        let of = |(s, f): (&Sample, &Footprint)| {
-            let taps = f.taps().iter();
+        let of = |(s, f): (&Sample, &Footprint)| -> Vec<StoredCaster> {
             let caster = |t: u32| field.caster(s, raster.triangle[t as usize], t, size);
-            taps.map(|tap| caster(tap.texel)).collect()
+            f.taps().iter().map(|tap| caster(tap.texel)).collect()
         };
-        let casters = field.samples.iter().zip(&footprints).map(of).collect();
-        let sites = field.samples.iter().map(|s| field.site(s, size)).collect();
-        let decoded = Mutex::default();
+        let drawn = |t: u32| match raster.triangle[t as usize] {
+            NO_TRIANGLE => 1.0,
+            _ => raster.depth[t as usize],
+        };
+        let own = Drawn {
+            depth: fragments.over_texels(drawn).into(),
+            triangle: fragments.over_texels(|t| raster.triangle[t as usize]).into(),
+        };
+        let casters = field.samples.par_iter().zip(&footprints).flat_map_iter(of).collect();
         Self {
             field,
             size,
             filter,
             attachment,
-            fixed,
+            sampling,
             raster,
+            own,
+            reads: Reads::new(&footprints, &fragments),
             fragments,
             footprints,
             casters,
-            sites,
-            decoded,
+            sites: field.samples.par_iter().map(|s| field.site(s, size)).collect(),
+            stored: Mutex::default(),
         }
+    }
+
+    /// Whose surface each tap of a receiver reads without a bias.
+    pub(super) fn own_casters(&self, i: usize) -> &[StoredCaster] {
+        &self.casters[self.reads.range(i)]
     }
 
     pub(super) fn device(&self) -> &Device {
@@ -171,11 +190,6 @@ impl<'f, 'a> Chart<'f, 'a> {
     #[must_use]
     pub fn all(&self) -> Vec<u32> {
         (0..self.field.samples.len() as u32).collect()
-    }
-
-    pub(super) fn drawn(&self, texel: u32) -> Option<f32> {
-        let i = texel as usize;
-        (self.raster.triangle[i] != NO_TRIANGLE).then(|| self.raster.depth[i])
     }
 }
 

@@ -36,6 +36,15 @@ pub struct Sample {
     pub gradient: DVec2,
 }
 
+/// What every verdict asks of a receiver first, side by side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Head {
+    /// Map coordinates and depth as the subject computes them.
+    pub(super) coord: [f32; 3],
+    /// Whether it is truly lit.
+    pub(super) lit: bool,
+}
+
 /// All counted receivers of a case.
 #[derive(Debug)]
 pub struct Field<'a> {
@@ -43,6 +52,7 @@ pub struct Field<'a> {
     pub observer: Arc<Observer<'a>>,
     /// Row by row from the bottom.
     pub samples: Vec<Sample>,
+    pub(super) heads: Vec<Head>,
     /// Truly lit and truly shadowed.
     pub populations: [u64; 2],
     /// Where receivers look under each move that was asked for, for all maps and formats.
@@ -84,7 +94,8 @@ impl<'a> Field<'a> {
     fn of(observer: Arc<Observer<'a>>, samples: Vec<Sample>) -> Self {
         let lit = samples.iter().filter(|s| s.lit).count() as u64;
         let populations = [lit, samples.len() as u64 - lit];
-        Self { populations, observer, samples, moves: Moves::default() }
+        let heads = samples.iter().map(|s| Head { coord: s.coord, lit: s.lit }).collect();
+        Self { populations, observer, samples, heads, moves: Moves::default() }
     }
 
     /// The same receivers, each looking from where a recipe moves it under a map of `size`² texels; those

@@ -5,11 +5,13 @@ pub mod evaluate;
 pub mod field;
 pub mod gate;
 pub mod looks;
+mod maps;
 mod moves;
 pub mod pictures;
 pub mod plan;
 pub(super) mod plots;
 mod reading;
+mod reads;
 pub mod report;
 pub mod shard;
 mod store;
@@ -123,7 +125,7 @@ fn sweep_size(
         let filter = chart::usable_filter(filter, format);
         Some(Chart::new(field, size, filter, attachment))
     };
-    let [depth, colour] = [Attachment::Depth, Attachment::Colour].map(chart);
+    let (depth, colour) = rayon::join(|| chart(Attachment::Depth), || chart(Attachment::Colour));
     let on = |chart: &&Chart<'_, '_>| -> Vec<TexelFormat> {
         plan.formats.iter().copied().filter(|&f| Attachment::of(f) == chart.attachment).collect()
     };

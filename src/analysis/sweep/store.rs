@@ -1,110 +1,131 @@
-//! A map that is encoded texel by texel as it is read, and remembers what it has read.
+//! A map of a chart under one format: all texels that are read, stored at once.
 
 use super::chart::Chart;
 use crate::device::Device;
-use crate::raster::Fragments;
+use crate::raster::{Fragments, NO_TRIANGLE};
 use crate::scene::{MapSpec, TexelFormat};
-use crate::shadow::{self, Texels};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, OnceLock, PoisonError};
+use crate::shadow::{self, Stored, Texels};
+use std::borrow::Cow;
+use std::sync::{Arc, PoisonError};
 
-/// What the texels of one map return, place by place: bits + 1 of the depth and of the four bytes, 0
-/// where they were not read yet.
+/// What a pass has drawn, place by place.
 #[derive(Debug)]
-pub(super) struct Decoded {
-    depths: Places,
-    bytes: Places,
+pub(super) struct Drawn<'d> {
+    /// Depths; 1 where nothing is.
+    pub(super) depth: Cow<'d, [f32]>,
+    /// Triangles, or [`NO_TRIANGLE`].
+    pub(super) triangle: Cow<'d, [u32]>,
 }
 
-impl Decoded {
-    fn new(places: usize, texel: TexelFormat) -> Self {
-        let packed = matches!(texel, TexelFormat::Packed(_));
-        Self { depths: Places::new(places), bytes: Places::new(if packed { places } else { 0 }) }
+impl Drawn<'_> {
+    pub(super) fn at(&self, place: usize) -> Option<f32> {
+        (self.triangle[place] != NO_TRIANGLE).then(|| self.depth[place])
     }
 }
 
-/// Words that are 0 until written, in pages that are made when first touched: most texels of a large map
-/// are never looked up.
+/// Where the values of a texel lie.
 #[derive(Debug)]
-struct Places(Vec<OnceLock<Box<Page>>>);
-
-const PAGE: usize = 1024;
-type Page = [AtomicU32; PAGE];
-
-impl Places {
-    fn new(places: usize) -> Self {
-        Self((0..places.div_ceil(PAGE)).map(|_| OnceLock::new()).collect())
-    }
-
-    fn get(&self, place: usize) -> Option<&AtomicU32> {
-        let page = || Box::new([const { AtomicU32::new(0) }; PAGE]);
-        Some(&self.0.get(place / PAGE)?.get_or_init(page)[place % PAGE])
-    }
+pub(super) enum Places<'p> {
+    /// At its own index.
+    Texels,
+    /// At its slot.
+    Slots(&'p Fragments),
+    /// At the place of its slot, which has one where somebody reads it.
+    Read { slots: &'p Fragments, place: Vec<u32> },
 }
 
-/// The value of a place, read once.
-fn remember(place: &AtomicU32, read: impl FnOnce() -> u32) -> u32 {
-    match place.load(Ordering::Relaxed) {
-        0 => {
-            let bits = read();
-            place.store(bits.wrapping_add(1), Ordering::Relaxed);
-            bits
+impl Places<'_> {
+    pub(super) fn of(&self, texel: u32) -> usize {
+        match self {
+            Self::Texels => texel as usize,
+            Self::Slots(slots) => slots.slot(texel),
+            Self::Read { slots, place } => place[slots.slot(texel)] as usize,
         }
-        known => known - 1,
+    }
+
+    /// Of a texel at a slot.
+    fn of_slot(&self, slot: u32) -> usize {
+        match self {
+            Self::Read { place, .. } => place[slot as usize] as usize,
+            Self::Texels | Self::Slots(_) => slot as usize,
+        }
     }
 }
 
-/// A map of a chart under one format.
+/// A map under one format.
 pub(super) struct Store<'s> {
+    pub(super) drawn: &'s Drawn<'s>,
+    pub(super) places: &'s Places<'s>,
     spec: MapSpec,
-    /// What each texel was drawn with.
-    pub(super) drawn: Box<dyn Fn(u32) -> Option<f32> + 's>,
-    /// Whose slots the values are remembered by; by texel where there are none.
-    slots: Option<&'s Fragments>,
     device: Device,
-    decoded: Arc<Decoded>,
+    stored: Arc<Stored>,
 }
+
+/// A map without a bias that has been stored: its format, whether place by texel.
+pub(super) type Known = ((TexelFormat, bool), Arc<Stored>);
 
 impl Chart<'_, '_> {
-    /// The map without a bias.
-    pub(super) fn own_store(&self, texel: TexelFormat) -> Store<'_> {
-        let mut list = self.decoded.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = list.iter().find(|(format, _)| *format == texel).map(|(_, d)| d.clone());
-        let texels = self.size as usize * self.size as usize;
-        let decoded = known.unwrap_or_else(|| {
-            let new = Arc::new(Decoded::new(texels, texel));
-            list.push((texel, new.clone()));
+    /// The map without a bias; stored once.
+    pub(super) fn own_store<'s>(
+        &self,
+        texel: TexelFormat,
+        drawn: &'s Drawn<'s>,
+        places: &'s Places<'s>,
+    ) -> Store<'s> {
+        let key = (texel, matches!(places, Places::Texels));
+        let mut list = self.stored.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = list.iter().find(|(known, _)| *known == key).map(|(_, s)| s.clone());
+        let stored = known.unwrap_or_else(|| {
+            let new = Arc::new(self.stored(texel, drawn));
+            list.push((key, new.clone()));
             new
         });
-        self.store(texel, |t| self.drawn(t), None, decoded)
+        Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
     }
 
-    /// A map drawn otherwise, whose values have `places` places: the slots, or all its texels.
+    /// A map drawn otherwise.
     pub(super) fn other_store<'s>(
         &self,
         texel: TexelFormat,
-        drawn: impl Fn(u32) -> Option<f32> + 's,
-        slots: Option<&'s Fragments>,
-        places: usize,
+        drawn: &'s Drawn<'s>,
+        places: &'s Places<'s>,
     ) -> Store<'s> {
-        self.store(texel, drawn, slots, Arc::new(Decoded::new(places, texel)))
+        let stored = Arc::new(self.stored(texel, drawn));
+        Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
     }
 
-    fn store<'s>(
-        &self,
-        texel: TexelFormat,
-        drawn: impl Fn(u32) -> Option<f32> + 's,
-        slots: Option<&'s Fragments>,
-        decoded: Arc<Decoded>,
-    ) -> Store<'s> {
-        let spec = self.spec(texel);
-        Store { spec, drawn: Box::new(drawn), slots, device: *self.device(), decoded }
+    fn stored(&self, texel: TexelFormat, drawn: &Drawn<'_>) -> Stored {
+        let covered = |place: usize| drawn.triangle[place] != NO_TRIANGLE;
+        Stored::new(self.device(), &self.spec(texel), &drawn.depth, covered)
     }
 }
 
 impl Store<'_> {
-    fn place(&self, texel: u32) -> usize {
-        self.slots.map_or(texel as usize, |fragments| fragments.slot(texel))
+    /// The depths that NEAREST returns, place by place.
+    pub(super) fn depths(&self) -> &[f32] {
+        &self.stored.depths
+    }
+
+    /// The depth that NEAREST returns of the texel at a slot, where values lie by slot.
+    pub(super) fn at_slot(&self, slot: u32) -> f32 {
+        self.stored.depths[self.places.of_slot(slot)]
+    }
+
+    /// The depth that LINEAR makes of the texels at four slots.
+    pub(super) fn mixed(&self, slots: &[u32; 4], weights: [f32; 2]) -> f32 {
+        let TexelFormat::Packed(packing) = self.spec.texel else { return 0.0 };
+        let bytes = slots.map(|slot| self.stored.bytes[self.places.of_slot(slot)]);
+        shadow::mix(&self.device, packing, &bytes, weights)
+    }
+
+    /// What a texel was drawn with.
+    pub(super) fn drawn(&self, texel: u32) -> Option<f32> {
+        self.drawn.at(self.places.of(texel))
+    }
+
+    /// No depth differs by more than this from what was drawn, or +∞.
+    pub(super) fn error(&self) -> f32 {
+        self.stored.error
     }
 }
 
@@ -117,17 +138,11 @@ impl Texels for Store<'_> {
         self.spec.texel
     }
 
-    fn depth(&self, device: &Device, texel: usize) -> f32 {
-        let texel = texel as u32;
-        let read = || shadow::texel_depth(device, &self.spec, (self.drawn)(texel)).to_bits();
-        let place = self.decoded.depths.get(self.place(texel)).expect("as many places as texels");
-        f32::from_bits(remember(place, read))
+    fn depth(&self, _: &Device, texel: usize) -> f32 {
+        self.stored.depths[self.places.of(texel as u32)]
     }
 
     fn bytes(&self, texel: usize) -> Option<[u8; 4]> {
-        let texel = texel as u32;
-        let read = || shadow::texel_bytes(&self.device, &self.spec, (self.drawn)(texel));
-        let place = self.decoded.bytes.get(self.place(texel))?;
-        Some(remember(place, || u32::from_le_bytes(read().unwrap_or_default())).to_le_bytes())
+        self.stored.bytes.get(self.places.of(texel as u32)).copied()
     }
 }

@@ -18,7 +18,7 @@ struct Evaluated {
 fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
     let wrong = ends.into_iter().flat_map(|e| &e.wrong).filter(|w| counts(w.kind));
     let mut which: Vec<u32> = wrong.map(|w| w.receiver).collect();
-    which.sort_unstable();
+    which.sort();
     which.dedup();
     which
 }
@@ -166,7 +166,8 @@ pub(super) fn by_values(
         let grid = literal.grid(amounts);
         ((literal, base), grid)
     });
-    shared.chain(own).map(|((l, base), grid)| thresholds(&l, base, grid, limit)).collect()
+    let grids: Vec<_> = shared.chain(own).collect();
+    grids.into_par_iter().map(|((l, base), grid)| thresholds(&l, base, grid, limit)).collect()
 }
 
 /// What a grid says, its thresholds bisected.

@@ -1,9 +1,10 @@
 //! Who is wrong at one amount, and how: the literal verdicts, without keeping anybody's comparisons.
 
 use super::chart::Chart;
-use super::field::Sample;
+use super::field::Head;
 use super::looks::{light_kind, shadow_kind};
-use super::reading::{Surface, is_sound, mixed_tap};
+use super::maps::Surface;
+use super::reading::{compared, is_sound, mixed_tap};
 use super::store::Store;
 use super::tally::{Kind, SHARE, Tally};
 use crate::analysis::classify::StoredCaster;
@@ -24,9 +25,9 @@ pub struct Wrong {
 
 impl Wrong {
     /// A receiver that is lit without a look-up.
-    fn unlooked(receiver: u32, sample: &Sample) -> Option<Self> {
+    fn unlooked(receiver: u32, lit: bool) -> Option<Self> {
         let lost = Self { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
-        (!sample.lit).then_some(lost)
+        (!lit).then_some(lost)
     }
 
     /// Adds it to a tally.
@@ -38,7 +39,7 @@ impl Wrong {
 
 /// One receiver under one recipe.
 struct Look<'l> {
-    sample: &'l Sample,
+    lit: bool,
     coord: [f32; 3],
     footprint: &'l Footprint,
 }
@@ -75,7 +76,7 @@ impl Chart<'_, '_> {
     #[must_use]
     pub fn wrong(&self, formats: &[&Formatted], recipe: &Recipe, which: &[u32]) -> Vec<Vec<Wrong>> {
         let texels: Vec<TexelFormat> = formats.iter().map(|f| f.texel).collect();
-        self.with_maps(&texels, recipe, |stores, surface| {
+        self.with_maps(&texels, recipe, which, |stores, surface| {
             let pairs = stores.iter().zip(formats);
             let verdicts: Vec<Verdicts<'_>> = pairs
                 .map(|(store, format)| Verdicts {
@@ -101,20 +102,24 @@ impl Chart<'_, '_> {
         which: &[u32],
     ) -> Vec<Vec<Wrong>> {
         let mut found = vec![Vec::new(); verdicts.len()];
-        let wrap = self.field.case().lookup.wrap;
         let moves = self.moves(recipe, which);
         let mut footprint = Footprint::default();
         for &receiver in which {
             let i = receiver as usize;
-            let sample = &self.field.samples[i];
+            let lit = self.field.heads[i].lit;
             let Some(coord) = moves.coord(i) else {
-                found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, sample)));
+                found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, lit)));
                 continue;
             };
-            footprint.place(self.filter, wrap, self.size, self.fixed, [coord[0], coord[1]]);
-            let look = Look { sample, coord, footprint: &footprint };
+            match recipe.follow {
+                Follow::Receiver => footprint.place(&self.sampling, [coord[0], coord[1]]),
+                _ => footprint.place_with_offsets(&self.sampling, [coord[0], coord[1]]),
+            }
             for (list, under) in found.iter_mut().zip(verdicts) {
-                list.extend(under.wrong(receiver, &look, || moves.is_lit(i)));
+                let look = Look { lit, coord, footprint: &footprint };
+                if !under.agree(receiver, &look) {
+                    list.extend(under.wrong(receiver, &look, || moves.is_lit(i)));
+                }
             }
         }
         found
@@ -126,12 +131,45 @@ impl Verdicts<'_> {
     fn in_place(&self, which: &[u32]) -> Vec<Wrong> {
         let of = |&receiver: &u32| {
             let i = receiver as usize;
-            let sample = &self.chart.field.samples[i];
-            let footprint = &self.chart.footprints[i];
-            let look = Look { sample, coord: sample.coord, footprint };
+            let follows = self.recipe.follow != Follow::Receiver;
+            if !follows && self.chart.agrees(self.store, i, self.bias(i)) {
+                return None;
+            }
+            let Head { coord, lit } = self.chart.field.heads[i];
+            let look = Look { lit, coord, footprint: &self.chart.footprints[i] };
             self.wrong(receiver, &look, || false)
         };
         which.iter().filter_map(of).collect()
+    }
+
+    /// The bias of every tap of a receiver.
+    fn bias(&self, i: usize) -> f32 {
+        self.recipe.common_bias().unwrap_or_else(|| self.recipe.tap_bias(&self.weights[i]))
+    }
+
+    /// Whether all taps of a moved receiver say what is true, as far as the depths drawn tell: those
+    /// stored lie within the store's error of them, and every rule is monotone in the stored depth.
+    fn agree(&self, receiver: u32, look: &Look<'_>) -> bool {
+        let Self { chart, recipe, store, .. } = self;
+        let Look { lit, coord, footprint } = *look;
+        let spec = &chart.field.case().lookup;
+        if spec.range_test && !shadow::in_square(coord) {
+            return lit;
+        }
+        if recipe.follow != Follow::Receiver || footprint.mixed.is_some() {
+            return false;
+        }
+        let bias = self.bias(receiver as usize);
+        footprint.taps().iter().all(|tap| {
+            let drawn = store.drawn.depth[tap.texel as usize];
+            let least = if lit {
+                (drawn - store.error()).next_down()
+            } else {
+                (drawn + store.error()).next_up()
+            };
+            let says = |depth: f32| spec.compare.is_lit(coord[2], depth, bias) == lit;
+            says(least) || says(store.depths()[tap.texel as usize])
+        })
     }
 
     /// What is wrong about one receiver; `moved_into_light` is asked where the answer depends on it.
@@ -141,35 +179,39 @@ impl Verdicts<'_> {
         look: &Look<'_>,
         moved_into_light: impl Fn() -> bool,
     ) -> Option<Wrong> {
-        let Look { sample, coord, footprint } = *look;
-        let bias = self.recipe.tap_bias(&self.weights[receiver as usize]);
+        let Look { lit, coord, footprint } = *look;
+        let bias = self.bias(receiver as usize);
         let (chart, follow) = (self.chart, self.recipe.follow);
+        let sample = || &chart.field.samples[receiver as usize];
         let spec = &chart.field.case().lookup;
         if spec.range_test && !shadow::in_square(coord) {
-            return Wrong::unlooked(receiver, sample);
+            return Wrong::unlooked(receiver, lit);
         }
         let taps = footprint.taps();
         let is_wrong = |i: usize, depth: f32| {
-            let z = coord[2] + follow.shift(sample.gradient, taps[i].sample, taps[i].centre);
-            spec.compare.is_lit(z, depth, bias) != sample.lit
+            let z = match follow {
+                Follow::Receiver => coord[2],
+                _ => compared(follow, sample(), coord[2], footprint, i),
+            };
+            spec.compare.is_lit(z, depth, bias) != lit
         };
         let (deciding, share) = if footprint.mixed.is_some() {
             let depth = shadow::mixed_depth(self.store, chart.device(), footprint);
             if follow == Follow::Receiver && !is_wrong(0, depth) {
                 return None;
             }
-            let i = mixed_tap(self.store, chart.device(), sample, footprint);
+            let i = mixed_tap(self.store, chart.device(), lit, footprint);
             is_wrong(i, depth).then_some((i, SHARE as i64))?
         } else {
             self.deciding(footprint, is_wrong)?
         };
         let texel = taps[deciding].texel;
         let (caster, gained) = (self.surface)(receiver as usize, deciding, texel);
-        let kind = if sample.lit {
+        let kind = if lit {
             let read = self.store.depth(chart.device(), texel as usize);
-            shadow_kind(caster, is_sound((self.store.drawn)(texel), read))
+            shadow_kind(caster, is_sound(self.store.drawn(texel), read))
         } else {
-            let hidden = || f64::from(bias) + gained >= sample.gap || moved_into_light();
+            let hidden = || f64::from(bias) + gained >= sample().gap || moved_into_light();
             light_kind(caster, caster == StoredCaster::Occluder && hidden())
         };
         Some(Wrong { receiver, kind, share })

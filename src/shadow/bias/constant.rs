@@ -50,6 +50,13 @@ impl Weights {
 }
 
 impl Recipe {
+    /// The bias of every tap of every receiver, where no weight plays a part.
+    #[must_use]
+    pub fn common_bias(&self) -> Option<f32> {
+        let weighed = [self.world, self.texels, self.steps, self.slope];
+        (weighed == [0.0; 4]).then_some(self.window)
+    }
+
     /// The bias of every tap of a receiver: window + Σ parameter·weight, each operation rounded to f32;
     /// parameters of 0 add nothing. Monotone in every parameter.
     #[must_use]

@@ -1,5 +1,6 @@
 //! Comparisons at the receiver's own plane: the depth that the plane has where the tap looks.
 
+use crate::shadow::Offset;
 use glam::DVec2;
 
 crate::catalogue! {
@@ -22,11 +23,11 @@ crate::catalogue! {
 pub const LARGEST_STEP: f32 = 0.01;
 
 impl Follow {
-    /// What is added to the receiver's depth for a tap whose sampling point and texel centre lie
-    /// `sample` and `centre` away (units of u, v), given the plane's window depth per unit of u and v.
-    /// f64 product, rounded once, clamped to ±[`LARGEST_STEP`]; a plane seen edge-on adds nothing.
+    /// What is added to the receiver's depth for a tap at an offset, given the plane's window depth per
+    /// unit of u and v. f64 product, rounded once, clamped to ±[`LARGEST_STEP`]; a plane seen edge-on
+    /// adds nothing.
     #[must_use]
-    pub fn shift(self, gradient: DVec2, sample: [f32; 2], centre: [f32; 2]) -> f32 {
+    pub fn shift(self, gradient: DVec2, offset: Offset) -> f32 {
         let along = |o: [f32; 2]| {
             let shift = gradient.x * f64::from(o[0]) + gradient.y * f64::from(o[1]);
             let shift = if shift.is_finite() { shift as f32 } else { 0.0 };
@@ -34,9 +35,9 @@ impl Follow {
         };
         match self {
             Self::Receiver => 0.0,
-            Self::TexelCentre => along(centre),
-            Self::Sample => along(sample),
-            Self::NearerOfCentre => along(centre).min(0.0),
+            Self::TexelCentre => along(offset.centre),
+            Self::Sample => along(offset.sample),
+            Self::NearerOfCentre => along(offset.centre).min(0.0),
         }
     }
 }
@@ -48,10 +49,11 @@ mod tests {
     #[test]
     fn shifts_follow_the_plane_and_stop_at_the_clamp() {
         let g = DVec2::new(0.5, -0.25);
-        assert_eq!(Follow::TexelCentre.shift(g, [0.0; 2], [0.01, 0.01]), 0.0025);
-        assert_eq!(Follow::NearerOfCentre.shift(g, [0.0; 2], [0.01, 0.01]), 0.0);
-        assert_eq!(Follow::TexelCentre.shift(g, [0.0; 2], [1.0, 0.0]), LARGEST_STEP);
+        let to = |x: f32, y: f32| Offset { sample: [0.0; 2], centre: [x, y] };
+        assert_eq!(Follow::TexelCentre.shift(g, to(0.01, 0.01)), 0.0025);
+        assert_eq!(Follow::NearerOfCentre.shift(g, to(0.01, 0.01)), 0.0);
+        assert_eq!(Follow::TexelCentre.shift(g, to(1.0, 0.0)), LARGEST_STEP);
         let edge_on = DVec2::new(f64::INFINITY, 0.0);
-        assert_eq!(Follow::TexelCentre.shift(edge_on, [0.0; 2], [1.0, 0.0]), 0.0);
+        assert_eq!(Follow::TexelCentre.shift(edge_on, to(1.0, 0.0)), 0.0);
     }
 }

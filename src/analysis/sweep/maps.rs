@@ -1,0 +1,180 @@
+//! What the maps of a chart hold under a recipe: drawn texel by texel that is read, then stored in each
+//! of some formats.
+
+use super::chart::{Attachment, Chart, wanted_texels};
+use super::field::Field;
+use super::store::{Drawn, Places, Store};
+use crate::analysis::classify::StoredCaster;
+use crate::depth::DepthFormat;
+use crate::raster::{Fragments, NO_TRIANGLE, Resolve};
+use crate::scene::{Cull, DepthBuffer, TexelFormat};
+use crate::shadow::bias::{Layers, Recipe, Site};
+use glam::{DVec3, Vec4};
+
+/// Whose surface a tap holds, given receiver, tap and texel, and how far the bias moved it.
+pub(super) type Surface<'s> = dyn Fn(usize, usize, u32) -> (StoredCaster, f64) + 's;
+
+impl Chart<'_, '_> {
+    /// The maps under a recipe as the receivers of `which` read them, one a format.
+    pub(super) fn with_maps<T>(
+        &self,
+        texels: &[TexelFormat],
+        recipe: &Recipe,
+        which: &[u32],
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
+    ) -> T {
+        if recipe.moves_vertices() {
+            self.with_resolved(texels, recipe, &self.fragments_moved(recipe), which, then)
+        } else if recipe.changes_map() {
+            self.with_resolved(texels, recipe, &self.fragments, which, then)
+        } else {
+            self.with_own(texels, recipe.moves_receiver(), then)
+        }
+    }
+
+    /// The map without a bias: all of it where receivers move, else what they read.
+    fn with_own<T>(
+        &self,
+        texels: &[TexelFormat],
+        moved: bool,
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
+    ) -> T {
+        let raster = &self.raster;
+        let (depth, triangle, places) = match moved {
+            true => (&*raster.depth, &*raster.triangle, Places::Texels),
+            false => (&*self.own.depth, &*self.own.triangle, Places::Slots(&self.fragments)),
+        };
+        let drawn = Drawn { depth: depth.into(), triangle: triangle.into() };
+        let store = |&texel: &TexelFormat| self.own_store(texel, &drawn, &places);
+        let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
+        then(&stores, &|i, tap, t| {
+            let caster = match moved {
+                true => self.caster(i, tap, raster.triangle[t as usize], t),
+                false => self.own_casters(i)[tap],
+            };
+            (caster, 0.0)
+        })
+    }
+
+    /// Casters under another offset, culling or layer: resolved from the fragments of each texel that
+    /// somebody of `which` reads.
+    fn with_resolved<T>(
+        &self,
+        texels: &[TexelFormat],
+        recipe: &Recipe,
+        fragments: &Fragments,
+        which: &[u32],
+        then: impl FnOnce(&[Store<'_>], &Surface<'_>) -> T,
+    ) -> T {
+        let depth_texture = self.attachment == Attachment::Depth;
+        assert!(texels.len() == 1 || !depth_texture, "depth textures are their own attachments");
+        let (slots, places) = match which.len() == self.field.samples.len() {
+            true => ((0..fragments.len() as u32).collect(), Places::Slots(fragments)),
+            false => {
+                let (slots, place) = self.reads.by(which, fragments.len());
+                (slots, Places::Read { slots: fragments, place })
+            }
+        };
+        let drawn = self.resolved(texels[0], recipe, fragments, &slots);
+        let store = |&texel: &TexelFormat| self.other_store(texel, &drawn, &places);
+        let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
+        then(&stores, &|i, tap, t| {
+            let (slot, place) = (fragments.slot(t), places.of(t));
+            let gained = drawn.depth[place] - self.own.depth[slot];
+            (self.caster(i, tap, drawn.triangle[place], t), f64::from(gained))
+        })
+    }
+
+    /// What a recipe draws on some slots: depth and surface of each.
+    fn resolved(
+        &self,
+        texel: TexelFormat,
+        recipe: &Recipe,
+        fragments: &Fragments,
+        slots: &[u32],
+    ) -> Drawn<'static> {
+        let spec = self.spec(texel);
+        let (resolvable, depth_buffer) = match (texel, spec.depth_buffer) {
+            (TexelFormat::Depth(format), _) => (format, DepthFormat::F32),
+            (_, DepthBuffer::Unorm16) => (DepthFormat::Unorm16, DepthFormat::Unorm16),
+            _ => (DepthFormat::F32, DepthFormat::F32),
+        };
+        let cull = match recipe.layers {
+            Layers::Nearest => spec.cull,
+            Layers::BackFaces => Cull::Front,
+            Layers::Second | Layers::Midpoint | Layers::Dual => Cull::None,
+        };
+        let write = |front: bool, z: f32| self.oriented(recipe.oriented, front, z);
+        let write: Option<&dyn Fn(bool, f32) -> f32> =
+            if recipe.oriented == 0.0 { None } else { Some(&write) };
+        let offset = recipe.polygon;
+        let pass = Resolve { depth_buffer, cull, offset, resolvable, write };
+        let mut drawn = (vec![1.0; slots.len()], vec![NO_TRIANGLE; slots.len()]);
+        fragments.resolve(slots, &pass, |k, [first, second]| {
+            let Some(first) = first else { return };
+            let behind = second.map(|layer| layer.depth);
+            let depth = recipe.layers.combine(first.depth, behind, recipe.layer_offset);
+            let layer = if recipe.layers == Layers::Second { second } else { Some(first) };
+            if let (Some(depth), Some(layer)) = (depth, layer) {
+                (drawn.0[k], drawn.1[k]) = (depth, layer.triangle);
+            }
+        });
+        Drawn { depth: drawn.0.into(), triangle: drawn.1.into() }
+    }
+
+    /// The depth that an oriented bias writes, world units along the light.
+    fn oriented(&self, amount: f32, front: bool, z: f32) -> f32 {
+        let light = &self.field.case().light;
+        let (near, far) = light.projection.near_far();
+        let distance = light.world_from_window(f64::from(z));
+        let per_world = match light.is_directional() {
+            true => 1.0 / (far - near),
+            false => near * far / ((far - near) * distance * distance),
+        };
+        let world = f64::from(if front { amount } else { -amount });
+        z + (world * per_world) as f32
+    }
+
+    /// The fragments after casters' vertices have moved in world space (f64), transformed by the f32
+    /// clip matrix of the light.
+    fn fragments_moved(&self, recipe: &Recipe) -> Fragments {
+        let observer = &self.field.observer;
+        let case = self.field.case();
+        let device = self.device();
+        let normals = vertex_normals(self.field);
+        let matrix = observer.clip_from_world.as_mat4();
+        let clip = |(&p, &normal): (&DVec3, &DVec3)| -> Vec4 {
+            let distance = case.light.axial_distance(p);
+            let site = Site {
+                position: p,
+                normal,
+                to_light: case.light.direction_from(p),
+                texel_world: case.light.texel_world(self.size, distance),
+                window_per_world: 0.0,
+                gradient: glam::DVec2::ZERO,
+                map_size: self.size,
+            };
+            let moved = p + recipe.vertex_offset(&site);
+            device.mat_vec(&matrix, moved.as_vec3().extend(1.0))
+        };
+        let geometry = &observer.geometry;
+        let clip: Vec<Vec4> = geometry.positions.iter().zip(&normals).map(clip).collect();
+        let wanted = wanted_texels(&self.footprints);
+        Fragments::collect(device, self.size, &clip, &geometry.triangles, wanted.into_iter())
+    }
+}
+
+/// Unit vertex normals: the triangles' area normals summed over each vertex, zero where there are none.
+fn vertex_normals(field: &Field<'_>) -> Vec<DVec3> {
+    let geometry = &field.observer.geometry;
+    let mut normals = vec![DVec3::ZERO; geometry.positions.len()];
+    for (id, triangle) in geometry.triangles.iter().enumerate() {
+        let area = geometry.area_normal(id as u32);
+        triangle.iter().for_each(|&v| normals[v as usize] += area);
+    }
+    let unit = |n: DVec3| {
+        let size = crate::view::length(n);
+        if size > 0.0 { n / size } else { n }
+    };
+    normals.into_iter().map(unit).collect()
+}
