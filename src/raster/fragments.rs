@@ -153,7 +153,8 @@ impl Fragments {
         let key_of = depth_key(&self.device, pass.depth_buffer);
         let (clear, planes) = (key_of(1.0), self.planes(pass));
         for (k, &slot) in slots.iter().enumerate() {
-            let range = self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
+            let range =
+                self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
             let texel = self.texels[slot as usize];
             let at = [texel % self.size, texel / self.size].map(|c| c as f32);
             let mut layers: [Option<(u32, Layer)>; 2] = [None; 2];

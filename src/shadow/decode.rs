@@ -98,7 +98,11 @@ mod tests {
                 loaded(&device, packing, &texels, &mut out);
                 for (&texel, found) in texels.iter().zip(out) {
                     let one = loaded_depth(&device, packing, texel);
-                    assert_eq!(found.to_bits(), one.to_bits(), "{packing} of {texel:?}, {device:?}");
+                    assert_eq!(
+                        found.to_bits(),
+                        one.to_bits(),
+                        "{packing} of {texel:?}, {device:?}"
+                    );
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
-use super::footprint::{Footprint, Sampling, centre};
+use super::footprint::{Footprint, Footprints, Sampling, centre};
 use super::{Few, ShadowMap, sampler};
 use crate::depth::Packing;
 use crate::device::{Device, NearestCoord};
@@ -78,10 +78,9 @@ impl ShadowMap {
                 weights: Vec::new(),
             };
         }
-        let mut footprint = Footprint::default();
         let fixed = fixed_coordinates(device, self.format());
-        footprint.place(&Sampling { filter, wrap, size: self.size(), fixed }, [u, v]);
-        read(self, device, &footprint)
+        let sampling = Sampling { filter, wrap, size: self.size(), fixed };
+        read(self, device, &Footprints::new(sampling, false).only([u, v]))
     }
 
     /// Index of the texel that NEAREST picks.
@@ -101,8 +100,8 @@ pub fn fixed_coordinates(device: &Device, format: TexelFormat) -> bool {
 
 /// Reads the texels of a footprint.
 #[must_use]
-pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint) -> Taps {
-    let taps = footprint.taps();
+pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint<'_>) -> Taps {
+    let taps = footprint.taps;
     if footprint.mixed.is_some() {
         let depth = mixed_depth(map, device, footprint);
         let texels = taps.iter().map(|tap| tap.texel).collect();
@@ -122,7 +121,7 @@ pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint) -> Taps {
 /// LINEAR: the bytes of four texels, mixed and decoded ([`mix`]); depth textures without a compare mode
 /// read 0, as measured.
 #[must_use]
-pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint) -> f32 {
+pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint<'_>) -> f32 {
     let (Some(mixed), TexelFormat::Packed(packing)) = (footprint.mixed, map.format()) else {
         return 0.0;
     };

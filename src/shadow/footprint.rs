@@ -1,8 +1,10 @@
 //! The texels under a look-up, before any of them is read: positions, weights, offsets.
 
+use super::disk::{poisson16, vogel5, vogel16};
 use super::sampler;
 use crate::scene::{Filter, Wrap};
-use std::sync::OnceLock;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// How look-ups of a map find their texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,15 +48,36 @@ pub struct Mix {
 
 /// Every tap of one look-up. For LINEAR the four taps are the texels of one comparison, the one that
 /// NEAREST reads first.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Footprint {
-    taps: Vec<Tap>,
-    /// Of each tap, where they were asked for.
-    offsets: Vec<Offset>,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint<'f> {
+    /// The taps, row by row or along the disk.
+    pub taps: &'f [Tap],
+    /// The offset of each tap, where they were asked for.
+    pub offsets: &'f [Offset],
     /// Whether shares differ.
     pub weighted: bool,
     /// For LINEAR, what is mixed.
     pub mixed: Option<Mix>,
+}
+
+impl Footprint<'_> {
+    /// The tap in the middle, or the heaviest where shares differ.
+    #[must_use]
+    pub fn centre(&self) -> usize {
+        centre(self.taps.len(), self.weighted, |i| self.taps[i].weight)
+    }
+}
+
+/// The footprints of many look-ups of one map, one list after the other.
+#[derive(Clone, Debug)]
+pub struct Footprints {
+    sampling: Sampling,
+    with_offsets: bool,
+    /// Where the taps of each footprint begin; one more at the end.
+    starts: Vec<u32>,
+    taps: Vec<Tap>,
+    offsets: Vec<Offset>,
+    mixed: Vec<Mix>,
 }
 
 /// Of `count` taps the one in the middle, or the heaviest (the first of equals) where shares differ.
@@ -63,8 +86,8 @@ pub(super) fn centre(count: usize, weighted: bool, weight: impl Fn(usize) -> f64
     if weighted { (0..count).fold(0, heaviest) } else { count / 2 }
 }
 
-/// Radius of the disks of sixteen, in texels.
-const DISK: f64 = 2.0;
+/// Look-ups that a thread places at a time.
+const RUN: usize = 1 << 12;
 
 /// What a filter compares, points in texels around the coordinate.
 enum Shape {
@@ -97,34 +120,91 @@ fn shape(filter: Filter) -> Shape {
     }
 }
 
-impl Footprint {
-    /// The taps, row by row or along the disk.
+impl Footprints {
+    /// None yet.
+    #[must_use]
+    pub fn new(sampling: Sampling, with_offsets: bool) -> Self {
+        let (taps, offsets, mixed) = Default::default();
+        Self { sampling, with_offsets, starts: vec![0], taps, offsets, mixed }
+    }
+
+    /// The footprints of many look-ups, with the offsets of their taps.
+    #[must_use]
+    pub fn of(sampling: Sampling, uv: &(impl Fn(usize) -> [f32; 2] + Sync), count: usize) -> Self {
+        let starts = (0..count).into_par_iter().step_by(RUN);
+        let run = |start: usize| {
+            let mut run = Self::new(sampling, true);
+            (start..count.min(start + RUN)).for_each(|i| run.push(uv(i)));
+            run
+        };
+        let runs: Vec<Self> = starts.map(run).collect();
+        runs.into_iter().fold(Self::new(sampling, true), Self::joined)
+    }
+
+    fn joined(mut self, other: Self) -> Self {
+        let before = self.taps.len() as u32;
+        self.starts.extend(other.starts[1..].iter().map(|start| before + start));
+        self.taps.extend(other.taps);
+        self.offsets.extend(other.offsets);
+        self.mixed.extend(other.mixed);
+        self
+    }
+
+    /// Adds the footprint of a look-up at (u, v).
+    ///
+    /// # Panics
+    /// From 2³² taps on.
+    pub fn push(&mut self, uv: [f32; 2]) {
+        self.place(uv);
+        if self.with_offsets {
+            self.place_offsets(uv);
+        }
+        self.starts.push(u32::try_from(self.taps.len()).expect("fewer than 2^32 taps"));
+    }
+
+    /// The footprint of a look-up at (u, v), in place of all others.
+    pub fn only(&mut self, uv: [f32; 2]) -> Footprint<'_> {
+        self.taps.clear();
+        self.offsets.clear();
+        self.mixed.clear();
+        self.starts.truncate(1);
+        self.push(uv);
+        self.get(0)
+    }
+
+    /// Where the taps of footprint `i` lie in the list of all.
+    #[must_use]
+    pub fn range(&self, i: usize) -> Range<usize> {
+        self.starts[i] as usize..self.starts[i + 1] as usize
+    }
+
+    /// Footprint `i`.
+    #[must_use]
+    pub fn get(&self, i: usize) -> Footprint<'_> {
+        let range = self.range(i);
+        Footprint {
+            offsets: self.offsets.get(range.clone()).unwrap_or_default(),
+            taps: &self.taps[range],
+            weighted: matches!(shape(self.sampling.filter), Shape::Bilinear(_)),
+            mixed: self.mixed.get(i).copied(),
+        }
+    }
+
+    /// The taps of all footprints.
     #[must_use]
     pub fn taps(&self) -> &[Tap] {
         &self.taps
     }
 
-    /// Where tap `i` samples.
-    ///
-    /// # Panics
-    /// Unless the taps were placed with their offsets.
+    /// What each footprint mixes; empty unless the filter is LINEAR.
     #[must_use]
-    pub fn offset(&self, i: usize) -> Offset {
-        self.offsets[i]
+    pub fn mixed(&self) -> &[Mix] {
+        &self.mixed
     }
 
-    /// The tap in the middle, or the heaviest where shares differ.
-    #[must_use]
-    pub fn centre(&self) -> usize {
-        centre(self.taps.len(), self.weighted, |i| self.taps[i].weight)
-    }
-
-    /// Places the taps of a look-up at (u, v), without their offsets.
-    pub fn place(&mut self, sampling: &Sampling, uv: [f32; 2]) {
-        self.taps.clear();
-        self.offsets.clear();
-        (self.weighted, self.mixed) = (false, None);
-        let at = Place { sampling, uv };
+    fn place(&mut self, uv: [f32; 2]) {
+        let sampling = self.sampling;
+        let at = Place { sampling: &sampling, uv };
         match shape(sampling.filter) {
             Shape::Points(points) => {
                 let weight = 1.0 / points.len() as f64;
@@ -136,10 +216,9 @@ impl Footprint {
         }
     }
 
-    /// The same with the offset of every tap.
-    pub fn place_with_offsets(&mut self, sampling: &Sampling, uv: [f32; 2]) {
-        self.place(sampling, uv);
-        let at = Place { sampling, uv };
+    fn place_offsets(&mut self, uv: [f32; 2]) {
+        let sampling = self.sampling;
+        let at = Place { sampling: &sampling, uv };
         match shape(sampling.filter) {
             Shape::Points(points) => self.offsets.extend(points.iter().map(|&p| at.offset(p))),
             Shape::Square(n) => {
@@ -151,7 +230,7 @@ impl Footprint {
                 let around = points.iter().flat_map(|&p| at.around(p));
                 self.offsets.extend(around.filter(|(tap, _)| tap.weight > 0.0).map(|(_, o)| o));
             }
-            Shape::Mix => self.offsets.resize(4, at.offset([0.0; 2])),
+            Shape::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
         }
     }
 
@@ -173,7 +252,6 @@ impl Footprint {
 
     /// Bilinear comparisons around each point; comparisons of weight 0 are left out.
     fn bilinear(&mut self, at: &Place<'_>, points: &[[f32; 2]]) {
-        self.weighted = true;
         let share = 1.0 / points.len() as f64;
         for &point in points {
             let around = at.around(point).map(|(tap, _)| tap).into_iter();
@@ -188,10 +266,11 @@ impl Footprint {
         let ([x0, x1], fx) = sampler::linear_axis(at.uv[0], size, wrap);
         let ([y0, y1], fy) = sampler::linear_axis(at.uv[1], size, wrap);
         let texels = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| y * size + x);
-        self.mixed = Some(Mix { texels, weights: [fx, fy] });
-        self.taps.resize(4, nearest);
+        self.mixed.push(Mix { texels, weights: [fx, fy] });
+        let mut taps = [nearest; 4];
         let others = texels.into_iter().filter(|&t| t != nearest.texel);
-        self.taps[1..].iter_mut().zip(others).for_each(|(tap, t)| tap.texel = t);
+        taps[1..].iter_mut().zip(others).for_each(|(tap, t)| tap.texel = t);
+        self.taps.extend(taps);
     }
 }
 
@@ -256,8 +335,7 @@ impl Place<'_> {
 
     fn between(&self, axis: usize, texels: f32) -> Between {
         let c = self.uv[axis] + self.step(texels);
-        let (pair, fraction) =
-            sampler::linear_axis(c, self.sampling.size, self.sampling.wrap);
+        let (pair, fraction) = sampler::linear_axis(c, self.sampling.size, self.sampling.wrap);
         let size = f64::from(self.sampling.size);
         let low = (f64::from(c) * size - 0.5).floor() + 0.5;
         let from = |position: f64| (position / size - f64::from(self.uv[axis])) as f32;
@@ -278,75 +356,26 @@ const GRID3: [[f32; 2]; 9] = [
     [1.0, 1.0],
 ];
 
-/// Vogel's disk: point i of n at radius √((i + ½)/n) and i golden angles.
-fn vogel(n: u32, radius: f64) -> Vec<[f32; 2]> {
-    let golden = std::f64::consts::PI * (3.0 - f64::sqrt(5.0));
-    let point = |i: u32| {
-        let r = f64::sqrt((f64::from(i) + 0.5) / f64::from(n)) * radius;
-        let angle = f64::from(i) * golden;
-        [(r * libm::cos(angle)) as f32, (r * libm::sin(angle)) as f32]
-    };
-    (0..n).map(point).collect()
-}
-
-fn vogel5() -> &'static [[f32; 2]] {
-    static POINTS: OnceLock<Vec<[f32; 2]>> = OnceLock::new();
-    POINTS.get_or_init(|| vogel(5, 1.0))
-}
-
-fn vogel16() -> &'static [[f32; 2]] {
-    static POINTS: OnceLock<Vec<[f32; 2]>> = OnceLock::new();
-    POINTS.get_or_init(|| vogel(16, DISK))
-}
-
-/// Sixteen points no closer than 0.38 radii, thrown with a fixed seed.
-fn poisson16() -> &'static [[f32; 2]] {
-    static POINTS: OnceLock<Vec<[f32; 2]>> = OnceLock::new();
-    POINTS.get_or_init(|| {
-        let mut seed: u64 = 1;
-        let mut random = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 40) as f64 / f64::from(1u32 << 23) - 1.0
-        };
-        let mut points: Vec<[f64; 2]> = Vec::new();
-        let mut distance = 0.38;
-        while points.len() < 16 {
-            for _ in 0..10_000 {
-                let p = [random(), random()];
-                let apart = |q: &[f64; 2]| {
-                    let d = [p[0] - q[0], p[1] - q[1]];
-                    d[0] * d[0] + d[1] * d[1] >= distance * distance
-                };
-                let inside = p[0] * p[0] + p[1] * p[1] <= 1.0;
-                if inside && points.len() < 16 && points.iter().all(apart) {
-                    points.push(p);
-                }
-            }
-            distance *= 0.9;
-        }
-        points.iter().map(|p| p.map(|c| (c * DISK) as f32)).collect()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn sampling(filter: Filter, size: u32) -> Sampling {
+        Sampling { filter, wrap: Wrap::Clamp, size, fixed: false }
+    }
+
     #[test]
     fn shares_add_up_and_taps_stay_within_the_stated_half_width() {
-        let mut footprint = Footprint::default();
         for &filter in Filter::ALL.iter().filter(|&&f| f != Filter::Linear) {
-            for i in 0..200u32 {
-                let uv = [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
-                let sampling = Sampling { filter, wrap: Wrap::Clamp, size: 64, fixed: false };
-                footprint.place_with_offsets(&sampling, uv);
-                let sum: f64 = footprint.taps().iter().map(|t| t.weight).sum();
+            let uv = |i: usize| [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
+            let footprints = Footprints::of(sampling(filter, 64), &uv, 200);
+            for i in 0..200 {
+                let Footprint { taps, offsets, .. } = footprints.get(i);
+                let sum: f64 = taps.iter().map(|t| t.weight).sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{filter}: shares add up to {sum}");
-                assert!(footprint.taps().len() as u32 <= filter.fetches(), "{filter}: fetches");
-                let offsets = (0..footprint.taps().len()).flat_map(|i| footprint.offset(i).centre);
-                let reach = offsets.map(|c| c.abs() * 64.0);
+                assert!(taps.len() as u32 <= filter.fetches(), "{filter}: fetches");
+                assert_eq!(taps.len(), offsets.len(), "{filter}");
+                let reach = offsets.iter().flat_map(|o| o.centre).map(|c| c.abs() * 64.0);
                 let farthest = f64::from(reach.fold(0.0, f32::max));
                 assert!(farthest <= filter.half_width() + 1e-4, "{filter}: reaches {farthest}");
             }
@@ -355,11 +384,22 @@ mod tests {
 
     #[test]
     fn a_bilinear_comparison_at_a_texel_centre_reads_that_texel_alone() {
-        let mut footprint = Footprint::default();
-        let sampling =
-            Sampling { filter: Filter::Bilinear, wrap: Wrap::Clamp, size: 8, fixed: false };
-        footprint.place(&sampling, [2.5 / 8.0, 5.5 / 8.0]);
-        let taps: Vec<_> = footprint.taps().iter().map(|t| (t.texel, t.weight)).collect();
+        let mut footprints = Footprints::new(sampling(Filter::Bilinear, 8), false);
+        let footprint = footprints.only([2.5 / 8.0, 5.5 / 8.0]);
+        let taps: Vec<_> = footprint.taps.iter().map(|t| (t.texel, t.weight)).collect();
         assert_eq!(taps, [(42, 1.0)]);
+    }
+
+    #[test]
+    fn many_footprints_are_those_of_each() {
+        for &filter in Filter::ALL {
+            let (sampling, count) = (sampling(filter, 32), RUN + 100);
+            let uv = |i: usize| [i as f32 * 1.9e-4, 0.99 - i as f32 * 2.1e-4];
+            let footprints = Footprints::of(sampling, &uv, count);
+            let mut one = Footprints::new(sampling, true);
+            for i in 0..count {
+                assert_eq!(footprints.get(i), one.only(uv(i)), "{filter} at {i}");
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod bias;
 mod decode;
+mod disk;
 mod encode;
 mod few;
 mod filter;
@@ -14,7 +15,7 @@ use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
 pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth, read};
-pub use footprint::{Footprint, Mix, Offset, Sampling, Tap};
+pub use footprint::{Footprint, Footprints, Mix, Offset, Sampling, Tap};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 use rayon::prelude::*;
 

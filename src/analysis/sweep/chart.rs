@@ -3,7 +3,7 @@
 use super::field::{Field, Sample};
 use super::looks::Looks;
 use super::reading::Reading;
-use super::reads::Reads;
+use super::reads::{Reads, wanted_texels};
 use super::store::{Drawn, Known};
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
@@ -11,7 +11,7 @@ use crate::device::Device;
 use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, draw};
 use crate::scene::{DepthBuffer, Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Recipe, Site, Weights};
-use crate::shadow::{self, Footprint, Sampling};
+use crate::shadow::{self, Footprints, Sampling};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -74,8 +74,7 @@ pub struct Chart<'f, 'a> {
     pub(super) fragments: Fragments,
     /// What the raster holds at every slot of the fragments; 1 where nothing is.
     pub(super) own: Drawn<'static>,
-    pub(super) footprints: Vec<Footprint>,
-    /// The slots that each receiver reads.
+    /// What each receiver reads.
     pub(super) reads: Reads,
     /// Whose surface each of these slots holds.
     casters: Vec<StoredCaster>,
@@ -103,17 +102,14 @@ impl<'f, 'a> Chart<'f, 'a> {
         let fixed = attachment == Attachment::Colour
             && shadow::fixed_coordinates(&device, TexelFormat::Packed(Packing::R8));
         let sampling = Sampling { filter, wrap: case.lookup.wrap, size, fixed };
-        let place = |s: &Sample| {
-            let mut footprint = Footprint::default();
-            footprint.place_with_offsets(&sampling, [s.coord[0], s.coord[1]]);
-            footprint
-        };
-        let footprints: Vec<Footprint> = field.samples.par_iter().map(place).collect();
+        let coord = |i: usize| [0, 1].map(|axis| field.heads[i].coord[axis]);
+        let footprints = Footprints::of(sampling, &coord, field.heads.len());
         let wanted = wanted_texels(&footprints);
-        let fragments = Fragments::collect(&device, size, clip, triangles, wanted.into_iter());
-        let of = |(s, f): (&Sample, &Footprint)| -> Vec<StoredCaster> {
-            let caster = |t: u32| field.caster(s, raster.triangle[t as usize], t, size);
-            f.taps().iter().map(|tap| caster(tap.texel)).collect()
+        let fragments = Fragments::collect(&device, size, clip, triangles, wanted);
+        let reads = Reads::new(footprints, &fragments);
+        let of = |(i, sample): (usize, &Sample)| -> Vec<StoredCaster> {
+            let caster = |t: u32| field.caster(sample, raster.triangle[t as usize], t, size);
+            reads.footprint(i).taps.iter().map(|tap| caster(tap.texel)).collect()
         };
         let drawn = |t: u32| match raster.triangle[t as usize] {
             NO_TRIANGLE => 1.0,
@@ -123,7 +119,7 @@ impl<'f, 'a> Chart<'f, 'a> {
             depth: fragments.over_texels(drawn).into(),
             triangle: fragments.over_texels(|t| raster.triangle[t as usize]).into(),
         };
-        let casters = field.samples.par_iter().zip(&footprints).flat_map_iter(of).collect();
+        let casters = field.samples.par_iter().enumerate().flat_map_iter(of).collect();
         Self {
             field,
             size,
@@ -132,9 +128,8 @@ impl<'f, 'a> Chart<'f, 'a> {
             sampling,
             raster,
             own,
-            reads: Reads::new(&footprints, &fragments),
+            reads,
             fragments,
-            footprints,
             casters,
             sites: field.samples.par_iter().map(|s| field.site(s, size)).collect(),
             stored: Mutex::default(),
@@ -143,7 +138,7 @@ impl<'f, 'a> Chart<'f, 'a> {
 
     /// Whose surface each tap of a receiver reads without a bias.
     pub(super) fn own_casters(&self, i: usize) -> &[StoredCaster] {
-        &self.casters[self.reads.range(i)]
+        self.reads.of(i, &self.casters)
     }
 
     pub(super) fn device(&self) -> &Device {
@@ -191,12 +186,6 @@ impl<'f, 'a> Chart<'f, 'a> {
     pub fn all(&self) -> Vec<u32> {
         (0..self.field.samples.len() as u32).collect()
     }
-}
-
-pub(super) fn wanted_texels(footprints: &[Footprint]) -> Vec<u32> {
-    let plain = footprints.iter().flat_map(|f| f.taps().iter().map(|t| t.texel));
-    let mixed = footprints.iter().filter_map(|f| f.mixed).flat_map(|m| m.texels);
-    plain.chain(mixed).collect()
 }
 
 /// One step of a format at a window depth; of a packing, one step of all its channels together.

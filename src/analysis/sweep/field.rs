@@ -43,6 +43,8 @@ pub(super) struct Head {
     pub(super) coord: [f32; 3],
     /// Whether it is truly lit.
     pub(super) lit: bool,
+    /// Window depth between it and its first occluder; +∞ where it has none.
+    pub(super) gap: f64,
 }
 
 /// All counted receivers of a case.
@@ -94,7 +96,8 @@ impl<'a> Field<'a> {
     fn of(observer: Arc<Observer<'a>>, samples: Vec<Sample>) -> Self {
         let lit = samples.iter().filter(|s| s.lit).count() as u64;
         let populations = [lit, samples.len() as u64 - lit];
-        let heads = samples.iter().map(|s| Head { coord: s.coord, lit: s.lit }).collect();
+        let heads =
+            samples.iter().map(|s| Head { coord: s.coord, lit: s.lit, gap: s.gap }).collect();
         Self { populations, observer, samples, heads, moves: Moves::default() }
     }
 

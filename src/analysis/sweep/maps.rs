@@ -1,7 +1,7 @@
 //! What the maps of a chart hold under a recipe: drawn texel by texel that is read, then stored in each
 //! of some formats.
 
-use super::chart::{Attachment, Chart, wanted_texels};
+use super::chart::{Attachment, Chart};
 use super::field::Field;
 use super::store::{Drawn, Places, Store};
 use crate::analysis::classify::StoredCaster;
@@ -159,8 +159,8 @@ impl Chart<'_, '_> {
         };
         let geometry = &observer.geometry;
         let clip: Vec<Vec4> = geometry.positions.iter().zip(&normals).map(clip).collect();
-        let wanted = wanted_texels(&self.footprints);
-        Fragments::collect(device, self.size, &clip, &geometry.triangles, wanted.into_iter())
+        let wanted = self.reads.texels();
+        Fragments::collect(device, self.size, &clip, &geometry.triangles, wanted)
     }
 }
 

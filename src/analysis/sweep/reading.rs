@@ -11,7 +11,7 @@ use crate::device::Device;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Recipe};
-use crate::shadow::{self, Footprint, Texels};
+use crate::shadow::{self, Footprint, Footprints, Texels};
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
 /// Which receivers are read.
@@ -27,7 +27,7 @@ pub(super) enum Reading {
 struct Glance<'g> {
     sample: &'g Sample,
     coord: [f32; 3],
-    footprint: &'g Footprint,
+    footprint: Footprint<'g>,
 }
 
 impl Chart<'_, '_> {
@@ -82,16 +82,18 @@ impl Chart<'_, '_> {
         recipe: &Recipe,
         reading: Reading,
     ) -> Vec<(u32, Looks)> {
-        self.with_maps(&[texel], recipe, &self.all(), |stores, surface| match recipe.moves_receiver() {
-            true => self.looks_moved(&stores[0], recipe, reading, surface),
-            false => self.looks_in_place(&stores[0], recipe, reading, surface),
+        self.with_maps(&[texel], recipe, &self.all(), |stores, surface| {
+            match recipe.moves_receiver() {
+                true => self.looks_moved(&stores[0], recipe, reading, surface),
+                false => self.looks_in_place(&stores[0], recipe, reading, surface),
+            }
         })
     }
 
     /// Whose surface a triangle is that tap `tap` of receiver `i` finds in a texel: known where both are
     /// those that it finds without a bias.
     pub(super) fn caster(&self, i: usize, tap: usize, triangle: u32, texel: u32) -> StoredCaster {
-        let own = self.reads.of(i).get(tap).map(|&slot| slot as usize);
+        let own = self.reads.slots(i).get(tap).map(|&slot| slot as usize);
         let same = |&slot: &usize| {
             self.fragments.texel(slot) == texel && self.own.triangle[slot] == triangle
         };
@@ -103,15 +105,15 @@ impl Chart<'_, '_> {
 
     /// Whether every tap of a receiver, looking from where it is at its own depth, says what is true.
     pub(super) fn agrees(&self, store: &Store<'_>, i: usize, bias: f32) -> bool {
-        let Head { coord, lit } = self.field.heads[i];
+        let Head { coord, lit, .. } = self.field.heads[i];
         let spec = &self.field.case().lookup;
         if spec.range_test && !shadow::in_square(coord) {
             return lit;
         }
         let says = |depth: f32| spec.compare.is_lit(coord[2], depth, bias) == lit;
-        match (self.reads.mixed(i), self.footprints[i].mixed) {
+        match (self.reads.mixed(i), self.reads.footprint(i).mixed) {
             (Some(slots), Some(mixed)) => says(store.mixed(slots, mixed.weights)),
-            _ => self.reads.of(i).iter().all(|&slot| says(store.at_slot(slot))),
+            _ => self.reads.slots(i).iter().all(|&slot| says(store.at_slot(slot))),
         }
     }
 
@@ -127,7 +129,8 @@ impl Chart<'_, '_> {
             if screened && self.field.heads[i].lit && self.agrees(store, i, 0.0) {
                 return None;
             }
-            let at = Glance { sample, coord: sample.coord, footprint: &self.footprints[i] };
+            let footprint = self.reads.footprint(i);
+            let at = Glance { sample, coord: sample.coord, footprint };
             let caster = |tap: usize, texel: u32| surface(i, tap, texel);
             Some((i as u32, self.look(store, recipe, reading, &at, &caster)?))
         };
@@ -145,14 +148,14 @@ impl Chart<'_, '_> {
     ) -> Vec<(u32, Looks)> {
         let case = self.field.case();
         let moves = self.moves(recipe, &self.all());
-        let mut footprint = Footprint::default();
+        let mut footprints = Footprints::new(self.sampling, true);
         let mut one = |(i, sample): (usize, &Sample)| {
             let Some(coord) = moves.coord(i) else {
                 let wanted = reading == Reading::All || !sample.lit;
                 return wanted.then(|| (i as u32, unlooked(sample)));
             };
-            footprint.place_with_offsets(&self.sampling, [coord[0], coord[1]]);
-            let at = Glance { sample, coord, footprint: &footprint };
+            let footprint = footprints.only([coord[0], coord[1]]);
+            let at = Glance { sample, coord, footprint };
             let caster = |tap: usize, texel: u32| surface(i, tap, texel);
             let mut looks = self.look(store, recipe, reading, &at, &caster)?;
             let lit = |l: &Look| case.lookup.compare.is_lit(l.z, l.stored, 0.0);
@@ -171,7 +174,7 @@ impl Chart<'_, '_> {
         at: &Glance<'_>,
         surface: &dyn Fn(usize, u32) -> (StoredCaster, f64),
     ) -> Option<Looks> {
-        let Glance { sample, coord, footprint } = *at;
+        let Glance { sample, coord, ref footprint } = *at;
         let spec = &self.field.case().lookup;
         let empty = unlooked(sample);
         let whole = reading == Reading::All || !sample.lit;
@@ -179,7 +182,7 @@ impl Chart<'_, '_> {
             return whole.then_some(empty);
         }
         let device = self.device();
-        let taps = footprint.taps();
+        let taps = footprint.taps;
         let mixed = footprint.mixed.is_some();
         let compared = |i: usize| compared(recipe.follow, sample, coord[2], footprint, i);
         let is_lit = |i: usize, depth: f32| spec.compare.is_lit(compared(i), depth, 0.0);
@@ -214,12 +217,12 @@ pub(super) fn compared(
     follow: Follow,
     sample: &Sample,
     z: f32,
-    footprint: &Footprint,
+    footprint: &Footprint<'_>,
     i: usize,
 ) -> f32 {
     match follow {
         Follow::Receiver => z,
-        _ => z + follow.shift(sample.gradient, footprint.offset(i)),
+        _ => z + follow.shift(sample.gradient, footprint.offsets[i]),
     }
 }
 
@@ -229,14 +232,14 @@ pub(super) fn mixed_tap(
     store: &Store<'_>,
     device: &Device,
     lit: bool,
-    footprint: &Footprint,
+    footprint: &Footprint<'_>,
 ) -> usize {
     if !lit {
         return 0;
     }
-    let depth = |i: usize| store.depth(device, footprint.taps()[i].texel as usize);
+    let depth = |i: usize| store.depth(device, footprint.taps[i].texel as usize);
     let nearer = |best: usize, i: usize| if depth(i) < depth(best) { i } else { best };
-    (0..footprint.taps().len()).fold(0, nearer)
+    (0..footprint.taps.len()).fold(0, nearer)
 }
 
 /// A receiver without comparisons.

@@ -1,39 +1,50 @@
-//! Which slots of a chart's fragments each receiver reads, one list after the other.
+//! What each receiver of a chart reads: its taps, and the slots of the chart's fragments under them.
 
 use crate::raster::Fragments;
-use crate::shadow::Footprint;
-use std::ops::Range;
+use crate::shadow::{Footprint, Footprints};
 
-/// The slots of every receiver's taps.
+/// The taps of every receiver and their slots.
 #[derive(Debug)]
 pub(super) struct Reads {
-    /// Where each receiver's slots begin; one more at the end.
-    starts: Vec<u32>,
+    footprints: Footprints,
+    /// The slot of each tap.
     slots: Vec<u32>,
-    /// The four that each receiver mixes, where they are mixed.
+    /// The four slots that each receiver mixes, where they are mixed.
     mixed: Vec<[u32; 4]>,
 }
 
+/// The texels that footprints read, in their order.
+pub(super) fn wanted_texels(footprints: &Footprints) -> impl Iterator<Item = u32> {
+    let taps = footprints.taps().iter().map(|tap| tap.texel);
+    taps.chain(footprints.mixed().iter().flat_map(|mix| mix.texels))
+}
+
 impl Reads {
-    pub(super) fn new(footprints: &[Footprint], fragments: &Fragments) -> Self {
-        let mut reads = Self { starts: vec![0], slots: Vec::new(), mixed: Vec::new() };
-        for footprint in footprints {
-            let slots = footprint.taps().iter().map(|tap| fragments.slot(tap.texel) as u32);
-            reads.slots.extend(slots);
-            reads.starts.push(reads.slots.len() as u32);
-            reads.mixed.extend(footprint.mixed.map(|m| m.texels.map(|t| fragments.slot(t) as u32)));
-        }
-        reads
+    pub(super) fn new(footprints: Footprints, fragments: &Fragments) -> Self {
+        let slot = |texel: u32| fragments.slot(texel) as u32;
+        let slots = footprints.taps().iter().map(|tap| slot(tap.texel)).collect();
+        let mixed = footprints.mixed().iter().map(|mix| mix.texels.map(slot)).collect();
+        Self { footprints, slots, mixed }
     }
 
-    /// Where the taps of a receiver lie in a list over all taps.
-    pub(super) fn range(&self, receiver: usize) -> Range<usize> {
-        self.starts[receiver] as usize..self.starts[receiver + 1] as usize
+    /// The texels that are read.
+    pub(super) fn texels(&self) -> impl Iterator<Item = u32> {
+        wanted_texels(&self.footprints)
+    }
+
+    /// The footprint of a receiver.
+    pub(super) fn footprint(&self, receiver: usize) -> Footprint<'_> {
+        self.footprints.get(receiver)
+    }
+
+    /// Of a list over all taps, those of a receiver.
+    pub(super) fn of<'l, T>(&self, receiver: usize, all: &'l [T]) -> &'l [T] {
+        &all[self.footprints.range(receiver)]
     }
 
     /// The slots of a receiver's taps.
-    pub(super) fn of(&self, receiver: usize) -> &[u32] {
-        &self.slots[self.range(receiver)]
+    pub(super) fn slots(&self, receiver: usize) -> &[u32] {
+        self.of(receiver, &self.slots)
     }
 
     /// The slots that a receiver mixes.
@@ -46,7 +57,7 @@ impl Reads {
         let (mut read, mut place) = (Vec::new(), vec![0; count]);
         let all = |&receiver: &u32| {
             let receiver = receiver as usize;
-            self.of(receiver).iter().chain(self.mixed(receiver).into_iter().flatten())
+            self.slots(receiver).iter().chain(self.mixed(receiver).into_iter().flatten())
         };
         for &slot in which.iter().flat_map(all) {
             let known = read.get(place[slot as usize] as usize) == Some(&slot);

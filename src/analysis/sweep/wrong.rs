@@ -10,7 +10,7 @@ use super::tally::{Kind, SHARE, Tally};
 use crate::analysis::classify::StoredCaster;
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Recipe, Weights};
-use crate::shadow::{self, Footprint, Texels};
+use crate::shadow::{self, Footprint, Footprints, Texels};
 
 /// A receiver with a wrong verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Wrong {
 struct Look<'l> {
     lit: bool,
     coord: [f32; 3],
-    footprint: &'l Footprint,
+    footprint: Footprint<'l>,
 }
 
 /// A format on a chart, and the weights of all receivers under it.
@@ -103,7 +103,8 @@ impl Chart<'_, '_> {
     ) -> Vec<Vec<Wrong>> {
         let mut found = vec![Vec::new(); verdicts.len()];
         let moves = self.moves(recipe, which);
-        let mut footprint = Footprint::default();
+        let follows = recipe.follow != Follow::Receiver;
+        let mut footprints = Footprints::new(self.sampling, follows);
         for &receiver in which {
             let i = receiver as usize;
             let lit = self.field.heads[i].lit;
@@ -111,12 +112,9 @@ impl Chart<'_, '_> {
                 found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, lit)));
                 continue;
             };
-            match recipe.follow {
-                Follow::Receiver => footprint.place(&self.sampling, [coord[0], coord[1]]),
-                _ => footprint.place_with_offsets(&self.sampling, [coord[0], coord[1]]),
-            }
+            let footprint = footprints.only([coord[0], coord[1]]);
+            let look = Look { lit, coord, footprint };
             for (list, under) in found.iter_mut().zip(verdicts) {
-                let look = Look { lit, coord, footprint: &footprint };
                 if !under.agree(receiver, &look) {
                     list.extend(under.wrong(receiver, &look, || moves.is_lit(i)));
                 }
@@ -135,8 +133,8 @@ impl Verdicts<'_> {
             if !follows && self.chart.agrees(self.store, i, self.bias(i)) {
                 return None;
             }
-            let Head { coord, lit } = self.chart.field.heads[i];
-            let look = Look { lit, coord, footprint: &self.chart.footprints[i] };
+            let Head { coord, lit, .. } = self.chart.field.heads[i];
+            let look = Look { lit, coord, footprint: self.chart.reads.footprint(i) };
             self.wrong(receiver, &look, || false)
         };
         which.iter().filter_map(of).collect()
@@ -151,7 +149,7 @@ impl Verdicts<'_> {
     /// stored lie within the store's error of them, and every rule is monotone in the stored depth.
     fn agree(&self, receiver: u32, look: &Look<'_>) -> bool {
         let Self { chart, recipe, store, .. } = self;
-        let Look { lit, coord, footprint } = *look;
+        let Look { lit, coord, ref footprint } = *look;
         let spec = &chart.field.case().lookup;
         if spec.range_test && !shadow::in_square(coord) {
             return lit;
@@ -160,7 +158,7 @@ impl Verdicts<'_> {
             return false;
         }
         let bias = self.bias(receiver as usize);
-        footprint.taps().iter().all(|tap| {
+        footprint.taps.iter().all(|tap| {
             let drawn = store.drawn.depth[tap.texel as usize];
             let least = if lit {
                 (drawn - store.error()).next_down()
@@ -179,7 +177,7 @@ impl Verdicts<'_> {
         look: &Look<'_>,
         moved_into_light: impl Fn() -> bool,
     ) -> Option<Wrong> {
-        let Look { lit, coord, footprint } = *look;
+        let Look { lit, coord, ref footprint } = *look;
         let bias = self.bias(receiver as usize);
         let (chart, follow) = (self.chart, self.recipe.follow);
         let sample = || &chart.field.samples[receiver as usize];
@@ -187,7 +185,7 @@ impl Verdicts<'_> {
         if spec.range_test && !shadow::in_square(coord) {
             return Wrong::unlooked(receiver, lit);
         }
-        let taps = footprint.taps();
+        let taps = footprint.taps;
         let is_wrong = |i: usize, depth: f32| {
             let z = match follow {
                 Follow::Receiver => coord[2],
@@ -211,7 +209,10 @@ impl Verdicts<'_> {
             let read = self.store.depth(chart.device(), texel as usize);
             shadow_kind(caster, is_sound(self.store.drawn(texel), read))
         } else {
-            let hidden = || f64::from(bias) + gained >= sample().gap || moved_into_light();
+            let hidden = || {
+                f64::from(bias) + gained >= chart.field.heads[receiver as usize].gap
+                    || moved_into_light()
+            };
             light_kind(caster, caster == StoredCaster::Occluder && hidden())
         };
         Some(Wrong { receiver, kind, share })
@@ -220,12 +221,12 @@ impl Verdicts<'_> {
     /// The tap that names the error, the centre before the others in order, and the share that is wrong.
     fn deciding(
         &self,
-        footprint: &Footprint,
+        footprint: &Footprint<'_>,
         is_wrong: impl Fn(usize, f32) -> bool,
     ) -> Option<(usize, i64)> {
         let centre = footprint.centre();
         let mut found: Option<(usize, i64)> = None;
-        for (i, tap) in footprint.taps().iter().enumerate() {
+        for (i, tap) in footprint.taps.iter().enumerate() {
             if is_wrong(i, self.store.depth(self.chart.device(), tap.texel as usize)) {
                 let (first, share) = found.unwrap_or((i, 0));
                 let deciding = if i == centre { i } else { first };
