@@ -101,11 +101,6 @@ impl Chart<'_, '_> {
 }
 
 impl Store<'_> {
-    /// The depths that NEAREST returns, place by place.
-    pub(super) fn depths(&self) -> &[f32] {
-        &self.stored.depths
-    }
-
     /// The depth that NEAREST returns of the texel at a slot, where values lie by slot.
     pub(super) fn at_slot(&self, slot: u32) -> f32 {
         self.stored.depths[self.places.of_slot(slot)]

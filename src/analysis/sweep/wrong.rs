@@ -8,7 +8,7 @@ use super::reading::{compared, is_sound, mixed_tap};
 use super::store::Store;
 use super::tally::{Kind, SHARE, Tally};
 use crate::analysis::classify::StoredCaster;
-use crate::scene::TexelFormat;
+use crate::scene::{Filter, LookupSpec, TexelFormat};
 use crate::shadow::bias::{Follow, Recipe, Weights};
 use crate::shadow::{self, Footprint, Footprints, Texels};
 
@@ -105,6 +105,8 @@ impl Chart<'_, '_> {
         let moves = self.moves(recipe, which);
         let follows = recipe.follow != Follow::Receiver;
         let mut footprints = Footprints::new(self.sampling, follows);
+        let screen = verdicts.first().and_then(Screen::of);
+        let widest = verdicts.iter().map(|v| v.store.error()).fold(0.0, f32::max);
         for &receiver in which {
             let i = receiver as usize;
             let lit = self.field.heads[i].lit;
@@ -114,13 +116,51 @@ impl Chart<'_, '_> {
             };
             let footprint = footprints.only([coord[0], coord[1]]);
             let look = Look { lit, coord, footprint };
+            let agrees = |error: f32| screen.as_ref().is_some_and(|s| s.agrees(&look, error));
+            if agrees(widest) {
+                continue;
+            }
             for (list, under) in found.iter_mut().zip(verdicts) {
-                if !under.agree(receiver, &look) {
+                if !agrees(under.store.error()) {
                     list.extend(under.wrong(receiver, &look, || moves.is_lit(i)));
                 }
             }
         }
         found
+    }
+}
+
+/// Tells of most moved receivers that they are right by the depths drawn alone: what a format stores lies
+/// within its error of them, and every rule is monotone in the stored depth.
+struct Screen<'v> {
+    spec: &'v LookupSpec,
+    drawn: &'v [f32],
+    bias: f32,
+}
+
+impl<'v> Screen<'v> {
+    /// None where taps differ in bias, depth or texels.
+    fn of(verdicts: &Verdicts<'v>) -> Option<Self> {
+        let Verdicts { chart, recipe, store, .. } = verdicts;
+        let plain = recipe.follow == Follow::Receiver && chart.filter != Filter::Linear;
+        let bias = recipe.common_bias().filter(|_| plain)?;
+        Some(Self { spec: &chart.field.case().lookup, drawn: &store.drawn.depth, bias })
+    }
+
+    /// Whether a receiver is surely right where no stored depth errs by more than `error`.
+    fn agrees(&self, look: &Look<'_>, error: f32) -> bool {
+        let Look { lit, coord, footprint } = look;
+        if self.spec.range_test && !shadow::in_square(*coord) {
+            return *lit;
+        }
+        footprint.taps.iter().all(|tap| {
+            let drawn = self.drawn[tap.texel as usize];
+            let utmost = match lit {
+                true => (drawn - error).next_down(),
+                false => (drawn + error).next_up(),
+            };
+            self.spec.compare.is_lit(coord[2], utmost, self.bias) == *lit
+        })
     }
 }
 
@@ -143,31 +183,6 @@ impl Verdicts<'_> {
     /// The bias of every tap of a receiver.
     fn bias(&self, i: usize) -> f32 {
         self.recipe.common_bias().unwrap_or_else(|| self.recipe.tap_bias(&self.weights[i]))
-    }
-
-    /// Whether all taps of a moved receiver say what is true, as far as the depths drawn tell: those
-    /// stored lie within the store's error of them, and every rule is monotone in the stored depth.
-    fn agree(&self, receiver: u32, look: &Look<'_>) -> bool {
-        let Self { chart, recipe, store, .. } = self;
-        let Look { lit, coord, ref footprint } = *look;
-        let spec = &chart.field.case().lookup;
-        if spec.range_test && !shadow::in_square(coord) {
-            return lit;
-        }
-        if recipe.follow != Follow::Receiver || footprint.mixed.is_some() {
-            return false;
-        }
-        let bias = self.bias(receiver as usize);
-        footprint.taps.iter().all(|tap| {
-            let drawn = store.drawn.depth[tap.texel as usize];
-            let least = if lit {
-                (drawn - store.error()).next_down()
-            } else {
-                (drawn + store.error()).next_up()
-            };
-            let says = |depth: f32| spec.compare.is_lit(coord[2], depth, bias) == lit;
-            says(least) || says(store.depths()[tap.texel as usize])
-        })
     }
 
     /// What is wrong about one receiver; `moved_into_light` is asked where the answer depends on it.
