@@ -52,8 +52,8 @@ pub(super) fn resized<T: Copy>(list: &mut Vec<T>, len: usize, zero: T) {
 /// How a depth is stored and read back, without a branch on the way.
 #[derive(Clone, Copy)]
 enum Stored {
-    /// Codes of a normalised integer, divided by the largest of them.
-    Unorm { store: UnormStore, max: u32, flush: bool },
+    /// Codes of a normalised integer, divided by the largest of them or times its f32 reciprocal.
+    Unorm { store: UnormStore, max: u32, flush: bool, divides: bool },
     /// A float with so few bits less than f32.
     Float { dropped: u32, flush: bool },
 }
@@ -63,10 +63,11 @@ impl Stored {
     fn new(device: &Device, format: DepthFormat) -> Option<Self> {
         let (format, flush) = (device.depth_format(format), device.flush_denormals);
         match (format, format.unorm_max()) {
-            (_, Some(max)) => (device.load == UnormLoad::Divide).then_some(Self::Unorm {
+            (_, Some(max)) => (device.load != UnormLoad::Half).then_some(Self::Unorm {
                 store: device.store,
                 max,
                 flush,
+                divides: device.load == UnormLoad::Divide,
             }),
             (DepthFormat::F16, None) => Some(Self::Float { dropped: 13, flush }),
             (DepthFormat::Bf16, None) => Some(Self::Float { dropped: 16, flush }),
@@ -88,11 +89,11 @@ impl Kernel for Depths<'_> {
     fn run(self, _: bool) {
         let Self { how, depth, out } = self;
         match how {
-            Stored::Unorm { store, max, flush } => match store {
-                UnormStore::Exact => unorm::<0>(depth, out, least(flush), max),
-                UnormStore::HalfEven => unorm::<1>(depth, out, least(flush), max),
-                UnormStore::HalfUp => unorm::<2>(depth, out, least(flush), max),
-                UnormStore::Truncate => unorm::<3>(depth, out, least(flush), max),
+            Stored::Unorm { store, max, flush, divides } => match store {
+                UnormStore::Exact => unorm::<0>(depth, out, least(flush), max, divides),
+                UnormStore::HalfEven => unorm::<1>(depth, out, least(flush), max, divides),
+                UnormStore::HalfUp => unorm::<2>(depth, out, least(flush), max, divides),
+                UnormStore::Truncate => unorm::<3>(depth, out, least(flush), max, divides),
             },
             Stored::Float { dropped: 0, flush } => float::<0>(depth, out, least(flush)),
             Stored::Float { dropped: 13, flush } => float::<13>(depth, out, least(flush)),
@@ -143,9 +144,13 @@ fn code<const STORE: u8>(z: f32, max: u32, largest: f64) -> f64 {
 /// Up to 24 bits a code times 1/max, in f64, rounds to the same f32 as the quotient: compared for
 /// all of them by a test.
 #[inline(always)]
-fn unorm<const STORE: u8>(depth: &[f32], out: &mut [f32], least: f32, max: u32) {
+fn unorm<const STORE: u8>(depth: &[f32], out: &mut [f32], least: f32, max: u32, divides: bool) {
     let (largest, inverse) = (f64::from(max), 1.0 / f64::from(max));
-    if max < 1 << 24 {
+    if !divides {
+        for (out, &z) in out.iter_mut().zip(depth) {
+            *out = code::<STORE>(clamped(z, least), max, largest) as f32 * inverse as f32;
+        }
+    } else if max < 1 << 24 {
         for (out, &z) in out.iter_mut().zip(depth) {
             *out = (code::<STORE>(clamped(z, least), max, largest) * inverse) as f32;
         }

@@ -134,10 +134,12 @@ pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint<'_>
 #[must_use]
 pub fn mix(device: &Device, packing: Packing, bytes: &[[u8; 4]; 4], weights: [f32; 2]) -> f32 {
     let scale = device.load.value(1, 255);
+    let [p, q, r, s] = bytes.map(|texel| texel.map(f32::from));
     let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    packing.unpack(std::array::from_fn(|c| {
-        let [p, q, r, s] = bytes.map(|texel| f32::from(texel[c]));
-        let (low, high) = (lerp(p, q, weights[0]), lerp(r, s, weights[0]));
-        lerp(low, high, weights[1]) * scale
-    }))
+    let mut channels = [0.0; 4];
+    for c in 0..4 {
+        let (low, high) = (lerp(p[c], q[c], weights[0]), lerp(r[c], s[c], weights[0]));
+        channels[c] = lerp(low, high, weights[1]) * scale;
+    }
+    packing.unpack(channels)
 }

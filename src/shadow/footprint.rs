@@ -154,6 +154,7 @@ impl Footprints {
     ///
     /// # Panics
     /// From 2³² taps on.
+    #[inline]
     pub fn push(&mut self, uv: [f32; 2]) {
         self.place(uv);
         if self.with_offsets {
@@ -163,6 +164,7 @@ impl Footprints {
     }
 
     /// The footprint of a look-up at (u, v), in place of all others.
+    #[inline]
     pub fn only(&mut self, uv: [f32; 2]) -> Footprint<'_> {
         self.taps.clear();
         self.offsets.clear();
@@ -174,12 +176,14 @@ impl Footprints {
 
     /// Where the taps of footprint `i` lie in the list of all.
     #[must_use]
+    #[inline]
     pub fn range(&self, i: usize) -> Range<usize> {
         self.starts[i] as usize..self.starts[i + 1] as usize
     }
 
     /// Footprint `i`.
     #[must_use]
+    #[inline]
     pub fn get(&self, i: usize) -> Footprint<'_> {
         let range = self.range(i);
         Footprint {

@@ -7,6 +7,7 @@ use crate::scene::Wrap;
 /// `fixed16` truncates the coordinate to 16-bit fixed point first, as the measured device does for
 /// colour textures; otherwise the f32 product c·size is truncated.
 #[must_use]
+#[inline]
 pub fn nearest_texel(c: f32, size: u32, wrap: Wrap, fixed16: bool) -> u32 {
     let last = i64::from(size) - 1;
     if fixed16 {
@@ -25,6 +26,7 @@ pub fn nearest_texel(c: f32, size: u32, wrap: Wrap, fixed16: bool) -> u32 {
 
 /// The two texels along one axis that LINEAR mixes, and the weight of the second.
 #[must_use]
+#[inline]
 pub fn linear_axis(c: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
     let wrapped = match wrap {
         Wrap::Clamp => c,
