@@ -214,6 +214,12 @@ impl<'a> Observer<'a> {
         matches!(self.tracer.truth(receiver, light_end).truth, Truth::Shadowed(_))
     }
 
+    /// Whether a triangle certainly blocks a receiver with its inside.
+    pub(super) fn is_blocked_by(&self, receiver: &Receiver, id: u32) -> bool {
+        let light_end = self.light_end(receiver.position);
+        id != receiver.triangle && self.tracer.hit_of(id, receiver.position, light_end).is_some()
+    }
+
     /// Judges a receiver whose subject coordinates are given.
     #[must_use]
     pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {

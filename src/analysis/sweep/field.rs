@@ -207,8 +207,8 @@ fn gradient(observer: &Observer<'_>, normal: DVec3, p: DVec3) -> DVec2 {
 const STEP: f64 = 2.0;
 const STEPS: u32 = 256;
 
-/// Way along the surface towards the light until the truth is lit or the triangle's plane ends; up to
-/// [`STEPS`] steps, refined to 2⁻¹² of a step.
+/// Way along the surface towards the light until the truth is lit; up to [`STEPS`] steps, refined to
+/// 2⁻¹² of a step.
 fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
     let light = &observer.case().light;
     let p = sample.receiver.position;
@@ -219,19 +219,39 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
         return 0.0;
     }
     let step = STEP * light.texel_world(observer.case().map.size, light.axial_distance(p));
+    let receiver =
+        |s: f64| Receiver { position: p + along * (s / size), triangle: sample.receiver.triangle };
     let mut blocker = sample.receiver.triangle;
-    let mut shadowed = |s: f64| {
-        let position = p + along * (s / size);
-        let receiver = Receiver { position, triangle: sample.receiver.triangle };
-        observer.is_shadowed(&receiver, &mut blocker)
-    };
-    let Some(first) = (1..=STEPS).find(|&i| !shadowed(f64::from(i) * step)) else {
-        return f64::from(STEPS) * step;
-    };
-    let (mut dark, mut lit) = (f64::from(first - 1) * step, f64::from(first) * step);
+    let mut at = 0;
+    while observer.is_shadowed(&receiver(f64::from(at + 1) * step), &mut blocker) {
+        let blocks = |i: u32| observer.is_blocked_by(&receiver(f64::from(i) * step), blocker);
+        at = last_blocked(at + 1, blocks);
+        if at == STEPS {
+            return f64::from(STEPS) * step;
+        }
+    }
+    let (mut dark, mut lit) = (f64::from(at) * step, f64::from(at + 1) * step);
     for _ in 0..12 {
         let middle = (dark + lit) / 2.0;
-        if shadowed(middle) { dark = middle } else { lit = middle }
+        let shadowed = observer.is_shadowed(&receiver(middle), &mut blocker);
+        if shadowed { dark = middle } else { lit = middle }
     }
     dark
+}
+
+/// The last step up to [`STEPS`] that one triangle blocks, from a step that it blocks: its shadow on a
+/// plane is convex, so that it blocks every step between two that it blocks.
+fn last_blocked(from: u32, blocks: impl Fn(u32) -> bool) -> u32 {
+    let (mut at, mut stride) = (from, 1);
+    while at + stride <= STEPS && blocks(at + stride) {
+        at += stride;
+        stride *= 2;
+    }
+    while stride > 1 {
+        stride /= 2;
+        if at + stride <= STEPS && blocks(at + stride) {
+            at += stride;
+        }
+    }
+    at
 }

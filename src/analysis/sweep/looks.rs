@@ -107,7 +107,7 @@ impl Looks {
             return;
         }
         let first_lit = |look: &Look| {
-            let guess = (look.z - look.stored) / scale;
+            let guess = rule.turning_point(look.z, look.stored) / scale;
             breakpoint_where(guess, |a| rule.is_lit(look.z, look.stored, bias(a)))
         };
         let breakpoints: Vec<f32> = self.taps.iter().map(first_lit).collect();
@@ -143,16 +143,16 @@ impl Looks {
         scale: f32,
         curve: &mut Curve,
     ) {
+        let mut known = None;
         let mut lit = |look: &Look, from: f32, until: f32| {
             if look.caster != StoredCaster::Occluder {
                 return curve.count(light_kind(look.caster, false), from, until);
             }
-            let hidden = |a: f32| f64::from(bias(a)) + look.gained >= self.gap;
-            let hides = if self.moved_into_light {
-                f32::NEG_INFINITY
-            } else {
-                breakpoint_where(self.gap as f32 / scale, hidden)
+            let hides = match known {
+                Some((gained, hides)) if gained == look.gained => hides,
+                _ => self.hides(look.gained, bias, scale),
             };
+            known = Some((look.gained, hides));
             curve.count(Kind::LightLeak, from, until.min(hides));
             curve.count(Kind::PeterPanning, from.max(hides), until);
             if from.max(hides) < until {
@@ -165,6 +165,15 @@ impl Looks {
             lit(look, b, until);
             until = until.min(b);
         }
+    }
+
+    /// The amount from which the bias alone loses the occluder, under a caster moved by `gained`.
+    fn hides(&self, gained: f64, bias: &impl Fn(f32) -> f32, scale: f32) -> f32 {
+        if self.moved_into_light {
+            return f32::NEG_INFINITY;
+        }
+        let guess = (self.gap - gained) as f32 / scale;
+        breakpoint_where(guess, |a| f64::from(bias(a)) + gained >= self.gap)
     }
 
     fn bounds(&self, breakpoints: &[f32], curve: &mut Curve) {
