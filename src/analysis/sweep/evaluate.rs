@@ -6,6 +6,7 @@ use super::tally::{Curve, Kind, Tally};
 use super::values;
 use crate::scene::{CompareRule, Filter, TexelFormat};
 use crate::shadow::bias::{Family, Strategy, Weights};
+use rayon::prelude::*;
 
 /// Counts at one amount.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,13 +103,16 @@ pub fn sweep_formats(
         detachment: None,
         populations,
     };
-    let bases = formats.iter().map(base);
+    let bases: Vec<Swept> = formats.iter().map(base).collect();
     match strategy.family() {
-        Family::Tap => bases.map(|s| by_breakpoints(chart, s, amounts, limit)).collect(),
-        Family::Map | Family::Vertex if chart.attachment == Attachment::Depth => {
-            bases.flat_map(|s| values::by_values(chart, vec![s], amounts, limit)).collect()
+        Family::Tap => {
+            bases.into_par_iter().map(|s| by_breakpoints(chart, s, amounts, limit)).collect()
         }
-        _ => values::by_values(chart, bases.collect(), amounts, limit),
+        Family::Map | Family::Vertex if chart.attachment == Attachment::Depth => {
+            let one = |s: Swept| values::by_values(chart, vec![s], amounts, limit);
+            bases.into_par_iter().flat_map(one).collect()
+        }
+        _ => values::by_values(chart, bases, amounts, limit),
     }
 }
 

@@ -75,8 +75,10 @@ impl Literal<'_, '_, '_> {
         let Some(&amount) = amounts.get(amounts.len() / 2) else { return Vec::new() };
         let middle = self.at(amount, &wrong_at([low, high], |_| true));
         let (below, above) = amounts.split_at(amounts.len() / 2);
-        let mut list = self.between(low, &middle, below);
-        let above = self.between(&middle, high, &above[1..]);
+        let (mut list, above) = rayon::join(
+            || self.between(low, &middle, below),
+            || self.between(&middle, high, &above[1..]),
+        );
         list.push(middle);
         list.extend(above);
         list
@@ -162,11 +164,11 @@ pub(super) fn by_values(
     let (literals, bases): (Vec<_>, Vec<_>) = others.into_iter().unzip();
     let grids = shared_grid(&literals, amounts);
     let shared = literals.into_iter().zip(bases).zip(grids);
-    let own = lighting.into_iter().map(|(literal, base)| {
+    let own = lighting.into_par_iter().map(|(literal, base)| {
         let grid = literal.grid(amounts);
         ((literal, base), grid)
     });
-    let grids: Vec<_> = shared.chain(own).collect();
+    let grids: Vec<_> = shared.chain(own.collect::<Vec<_>>()).collect();
     grids.into_par_iter().map(|((l, base), grid)| thresholds(&l, base, grid, limit)).collect()
 }
 
