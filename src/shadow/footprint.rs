@@ -1,6 +1,6 @@
 //! The texels under a look-up, before any of them is read: positions, weights, offsets.
 
-use super::disk::{poisson16, vogel5, vogel16};
+use super::place::{Place, Shape, WIDEST, shape};
 use super::sampler;
 use crate::scene::{Filter, Wrap};
 use rayon::prelude::*;
@@ -88,37 +88,6 @@ pub(super) fn centre(count: usize, weighted: bool, weight: impl Fn(usize) -> f64
 
 /// Look-ups that a thread places at a time.
 const RUN: usize = 1 << 12;
-
-/// What a filter compares, points in texels around the coordinate.
-enum Shape {
-    /// The texels under each point.
-    Points(&'static [[f32; 2]]),
-    /// The texels under n×n points one texel apart.
-    Square(usize),
-    /// The four texels around each point, by their distance.
-    Bilinear(&'static [[f32; 2]]),
-    /// One depth made of four texels.
-    Mix,
-}
-
-/// The widest square.
-const WIDEST: usize = 9;
-
-fn shape(filter: Filter) -> Shape {
-    match filter {
-        Filter::Nearest => Shape::Points(&[[0.0; 2]]),
-        Filter::Linear => Shape::Mix,
-        Filter::Pcf3 => Shape::Square(3),
-        Filter::Pcf5 => Shape::Square(5),
-        Filter::Pcf7 => Shape::Square(7),
-        Filter::Pcf9 => Shape::Square(WIDEST),
-        Filter::Bilinear => Shape::Bilinear(&[[0.0; 2]]),
-        Filter::Pcf3Bilinear => Shape::Bilinear(&GRID3),
-        Filter::Poisson16 => Shape::Points(poisson16()),
-        Filter::Vogel16 => Shape::Points(vogel16()),
-        Filter::Vogel5Bilinear => Shape::Bilinear(vogel5()),
-    }
-}
 
 impl Footprints {
     /// None yet.
@@ -277,88 +246,6 @@ impl Footprints {
         self.taps.extend(taps);
     }
 }
-
-/// Where a look-up happens.
-struct Place<'s> {
-    sampling: &'s Sampling,
-    uv: [f32; 2],
-}
-
-/// The two texels along an axis that a comparison lies between.
-struct Between {
-    texels: [u32; 2],
-    fraction: f32,
-    centres: [f32; 2],
-}
-
-impl Between {
-    fn weight(&self, side: usize) -> f64 {
-        let f = f64::from(self.fraction);
-        if side == 0 { 1.0 - f } else { f }
-    }
-}
-
-impl Place<'_> {
-    /// An offset in texels as one in u or v: f32 product with f32(1/size).
-    fn step(&self, texels: f32) -> f32 {
-        texels * (1.0 / self.sampling.size as f32)
-    }
-
-    /// Index along an axis of the texel so many texels away.
-    fn nearest_along(&self, axis: usize, texels: f32) -> u32 {
-        let Sampling { size, wrap, fixed, .. } = *self.sampling;
-        sampler::nearest_texel(self.uv[axis] + self.step(texels), size, wrap, fixed)
-    }
-
-    fn nearest(&self, texels: [f32; 2]) -> u32 {
-        let [x, y] = [0, 1].map(|axis| self.nearest_along(axis, texels[axis]));
-        y * self.sampling.size + x
-    }
-
-    fn offset(&self, texels: [f32; 2]) -> Offset {
-        let centre = |axis: usize| self.centre(axis, self.uv[axis] + self.step(texels[axis]));
-        Offset { sample: texels.map(|t| self.step(t)), centre: [0, 1].map(centre) }
-    }
-
-    /// From the coordinate to the centre of the texel that c falls into, along one axis.
-    fn centre(&self, axis: usize, c: f32) -> f32 {
-        let size = f64::from(self.sampling.size);
-        (((f64::from(c) * size).floor() + 0.5) / size - f64::from(self.uv[axis])) as f32
-    }
-
-    /// The four texels around a point: their shares of its comparison, their offsets.
-    fn around(&self, point: [f32; 2]) -> [(Tap, Offset); 4] {
-        let axes = [0, 1].map(|axis| self.between(axis, point[axis]));
-        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]: [usize; 2]| {
-            let texel = axes[1].texels[y] * self.sampling.size + axes[0].texels[x];
-            let centre = [axes[0].centres[x], axes[1].centres[y]];
-            let tap = Tap { texel, weight: axes[0].weight(x) * axes[1].weight(y) };
-            (tap, Offset { sample: point.map(|t| self.step(t)), centre })
-        })
-    }
-
-    fn between(&self, axis: usize, texels: f32) -> Between {
-        let c = self.uv[axis] + self.step(texels);
-        let (pair, fraction) = sampler::linear_axis(c, self.sampling.size, self.sampling.wrap);
-        let size = f64::from(self.sampling.size);
-        let low = (f64::from(c) * size - 0.5).floor() + 0.5;
-        let from = |position: f64| (position / size - f64::from(self.uv[axis])) as f32;
-        Between { texels: pair, fraction, centres: [from(low), from(low + 1.0)] }
-    }
-}
-
-/// 3×3 offsets in texels around 0, row by row.
-const GRID3: [[f32; 2]; 9] = [
-    [-1.0, -1.0],
-    [0.0, -1.0],
-    [1.0, -1.0],
-    [-1.0, 0.0],
-    [0.0, 0.0],
-    [1.0, 0.0],
-    [-1.0, 1.0],
-    [0.0, 1.0],
-    [1.0, 1.0],
-];
 
 #[cfg(test)]
 mod tests {

@@ -8,6 +8,7 @@ mod few;
 mod filter;
 mod footprint;
 mod lookup;
+mod place;
 pub mod sampler;
 
 use crate::depth::{DepthFormat, Packing};
