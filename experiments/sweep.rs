@@ -1,8 +1,8 @@
 //! Which bias strategy, at which amount, ends acne at the least cost, on which map and format?
 use clap::Parser;
+use gnomon::analysis::effort::EffortArguments;
 use gnomon::analysis::sweep::{self, CaseSweep, Plan, Range, gate, plan, shard};
 use gnomon::harness::{Common, Division, Job, print, run};
-use gnomon::scene::fit::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
 use serde_json::Value;
@@ -26,7 +26,7 @@ struct Args {
     #[arg(long, value_delimiter = ',', default_value = "documents", conflicts_with = "scene")]
     case: Vec<String>,
     #[command(flatten)]
-    scene: SceneFile,
+    scene: gnomon::scene::fit::SceneFile,
     /// Map sizes in texels per side
     #[arg(long, value_delimiter = ',', default_value = "256,512,1024,2048")]
     map: Vec<u32>,
@@ -62,6 +62,8 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     #[command(flatten)]
     division: Division,
     #[command(flatten)]
+    effort: EffortArguments,
+    #[command(flatten)]
     common: Common,
 }
 fn main() -> ExitCode {
@@ -91,7 +93,7 @@ fn body(args: &Args) -> Result<()> {
     };
     let baseline = args.baseline.as_deref().map(gate::baseline).transpose()?;
     let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
-    let mut worker = shard::Worker::new(&plan);
+    let mut worker = shard::Worker::new(&plan, args.effort.effort());
     let compute = |item| worker.compute(item);
     let Some(done) = args.division.run(&args.common, &job, compute)? else { return Ok(()) };
     let sweeps = shard::assemble(&plan, &done.results())?;

@@ -3,6 +3,7 @@
 #[path = "support/sweeping.rs"]
 mod sweeping;
 
+use gnomon::analysis::effort::Effort;
 use gnomon::analysis::sweep::{self, Plan, Range, plan, shard};
 use gnomon::harness::{Common, Division, Done, Job, Shard};
 use gnomon::report::Profile;
@@ -259,7 +260,7 @@ fn a_sweep_that_lost_an_item_reports_the_rest() {
         max_acne: 0.001,
     };
     let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
-    let mut worker = shard::Worker::new(&plan);
+    let mut worker = shard::Worker::new(&plan, Effort::default());
     let common = common(out.path());
     let compute = |item| {
         assert!(item != 0, "fell over");

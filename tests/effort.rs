@@ -144,6 +144,35 @@ fn cpu_seconds() -> f64 {
     fields.get(10..12).map_or(0.0, |f| (f[0] + f[1]) / 100.0)
 }
 
+/// A sweep asks rays and leaves nothing out, and says the same of every amount.
+#[test]
+fn sweeps_do_not_depend_on_the_effort() {
+    use gnomon::analysis::sweep::{self, Plan, Range, plan};
+    use gnomon::shadow::bias::Strategy;
+    let strategies = ["constant", "slope-raster", "normal-offset", "adaptive", "midpoint"];
+    let plan = Plan {
+        cases: ["book-rgba8-y7", "exam-pcf"].map(|c| cases::named(c).expect("a case")).to_vec(),
+        sizes: vec![128],
+        formats: ["r8", "book", "unorm16", "f16", "f32"]
+            .map(|f| plan::format_named(f).expect("a format"))
+            .to_vec(),
+        filters: vec![None],
+        strategies: strategies.map(|s| s.parse::<Strategy>().expect("a strategy")).to_vec(),
+        bias: Range { low: 1e-6, high: 1e-1, log: true, count: 12 },
+        step: 8,
+        max_acne: 0.0,
+    };
+    let usual = sweep::run(&plan, || ());
+    let arbiter = sweep::run_by(&plan, Effort::ARBITER, || ());
+    for (usual, arbiter) in usual.iter().zip(&arbiter) {
+        assert_eq!(usual.swept.len(), 25);
+        for (a, b) in usual.swept.iter().zip(&arbiter.swept) {
+            let name = format!("{} {} {}", usual.name, a.format.name(), a.strategy);
+            assert_eq!(format!("{a:?}"), format!("{b:?}"), "{name}");
+        }
+    }
+}
+
 /// The goal of six formats in 1.2 times the time of one: run by hand.
 #[test]
 #[ignore = "a timing; prints the time of six formats from one raster over that of one"]

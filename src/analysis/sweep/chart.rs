@@ -175,10 +175,12 @@ impl<'f, 'a> Chart<'f, 'a> {
         self.read(texel, recipe, Reading::All).into_iter().map(|(_, looks)| looks).collect()
     }
 
-    /// The comparisons of those receivers that can be wrong at some tap bias ≥ 0.
+    /// The comparisons of those receivers that can be wrong at some tap bias ≥ 0; of all where the effort
+    /// leaves nothing out.
     #[must_use]
     pub fn breakable(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<(u32, Looks)> {
-        self.read(texel, recipe, Reading::Breakable)
+        let reading = if self.field.skips() { Reading::Breakable } else { Reading::All };
+        self.read(texel, recipe, reading)
     }
 
     /// The indices of all receivers.

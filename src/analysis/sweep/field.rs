@@ -2,6 +2,7 @@
 
 use super::moves::{self, Moves};
 use crate::analysis::classify::StoredCaster;
+use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
 use crate::scene::Case;
 use crate::shadow::bias::{Recipe, Site};
@@ -65,7 +66,13 @@ impl<'a> Field<'a> {
     /// The counted receivers at every `step`-th pixel of a case on its own device.
     #[must_use]
     pub fn new(case: &'a Case, step: u32) -> Self {
-        Self::over(Arc::new(Observer::new(case, &case.device.device())), step)
+        Self::with(case, step, Effort::default())
+    }
+
+    /// The same, by a given effort; so are the sweeps over them.
+    #[must_use]
+    pub fn with(case: &'a Case, step: u32, effort: Effort) -> Self {
+        Self::over(Arc::new(Observer::with(case, &case.device.device(), effort)), step)
     }
 
     /// The counted receivers at every `step`-th pixel of a case that is drawn already.
@@ -112,6 +119,11 @@ impl<'a> Field<'a> {
         };
         let samples = self.samples.iter().map(of).collect();
         Self::of(self.observer.clone(), samples)
+    }
+
+    /// Whether what no result depends on is left out.
+    pub(super) fn skips(&self) -> bool {
+        self.observer.effort.skip
     }
 
     /// The case.

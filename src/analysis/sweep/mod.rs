@@ -21,6 +21,7 @@ mod values;
 mod verdicts;
 pub mod wrong;
 
+use crate::analysis::effort::Effort;
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Family, Strategy};
 use chart::{Attachment, Chart};
@@ -161,7 +162,16 @@ pub fn sweep_case(case: &Case, plan: &Plan, done: &impl Fn()) -> CaseSweep {
 /// Never: results that have just been computed can be read.
 #[must_use]
 pub fn run(plan: &Plan, done: impl Fn()) -> Vec<CaseSweep> {
-    let mut worker = shard::Worker::new(plan);
+    run_by(plan, Effort::default(), done)
+}
+
+/// The same by a given effort: `--truth`, `--no-skip`. No result depends on it.
+///
+/// # Panics
+/// Never, like [`run`].
+#[must_use]
+pub fn run_by(plan: &Plan, effort: Effort, done: impl Fn()) -> Vec<CaseSweep> {
+    let mut worker = shard::Worker::new(plan, effort);
     let compute = |item: u32| {
         let result = worker.compute(item);
         done();

@@ -2,6 +2,7 @@
 
 use super::tally::Tally;
 use super::{CaseSweep, Field, Plan, Point, Swept, plan, sweep_size};
+use crate::analysis::effort::Effort;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -48,14 +49,15 @@ pub fn key(plan: &Plan) -> String {
 #[derive(Debug)]
 pub struct Worker<'p> {
     plan: &'p Plan,
+    effort: Effort,
     field: Option<(usize, Field<'p>)>,
 }
 
 impl<'p> Worker<'p> {
-    /// Of a plan.
+    /// Of a plan; no result depends on the effort.
     #[must_use]
-    pub const fn new(plan: &'p Plan) -> Self {
-        Self { plan, field: None }
+    pub const fn new(plan: &'p Plan, effort: Effort) -> Self {
+        Self { plan, effort, field: None }
     }
 
     /// The result of one item as bytes for [`assemble`]; the same bytes on every machine.
@@ -68,7 +70,7 @@ impl<'p> Worker<'p> {
         let case = &plan.cases[index];
         if self.field.as_ref().is_none_or(|f| f.0 != index) {
             self.field = None;
-            self.field = Some((index, Field::new(case, plan.step)));
+            self.field = Some((index, Field::with(case, plan.step, self.effort)));
         }
         let (_, field) = self.field.as_ref().expect("it has just been set");
         let facts = CaseSweep::of(field, plan);

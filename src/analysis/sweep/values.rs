@@ -53,7 +53,8 @@ impl Literal<'_, '_, '_> {
     /// grows with it, through every rounding (a depth texture is its own attachment and monotone).
     fn only_lights(&self) -> bool {
         let recipe = self.strategy.with(1.0);
-        self.strategy.family() == Family::Map
+        self.chart.field.skips()
+            && self.strategy.family() == Family::Map
             && recipe.layers == Layers::Nearest
             && recipe.oriented == 0.0
             && Attachment::of(self.format.texel) == Attachment::Depth

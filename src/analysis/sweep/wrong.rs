@@ -139,10 +139,11 @@ struct Screen<'v> {
 }
 
 impl<'v> Screen<'v> {
-    /// None where taps differ in bias, depth or texels.
+    /// None where taps differ in bias, depth or texels, or the effort leaves nothing out.
     fn of(verdicts: &Verdicts<'v>) -> Option<Self> {
         let Verdicts { chart, recipe, store, .. } = verdicts;
         let plain = recipe.follow == Follow::Receiver && chart.filter != Filter::Linear;
+        let plain = plain && chart.field.skips();
         let bias = recipe.common_bias().filter(|_| plain)?;
         Some(Self { spec: &chart.field.case().lookup, drawn: &store.drawn.depth, bias })
     }
@@ -169,8 +170,8 @@ impl Verdicts<'_> {
     fn in_place(&self, which: &[u32]) -> Vec<Wrong> {
         let of = |&receiver: &u32| {
             let i = receiver as usize;
-            let follows = self.recipe.follow != Follow::Receiver;
-            if !follows && self.chart.agrees(self.store, i, self.bias(i)) {
+            let plain = self.recipe.follow == Follow::Receiver && self.chart.field.skips();
+            if plain && self.chart.agrees(self.store, i, self.bias(i)) {
                 return None;
             }
             let Head { coord, lit, .. } = self.chart.field.heads[i];
