@@ -1,8 +1,8 @@
-//! A list that is usually one long: one item lies in place, more on the heap.
+//! A list that is usually one long: one item lies in place, more (or none) on the heap.
 
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
-/// One item or several.
+/// One item, several or none.
 #[derive(Clone, Debug)]
 pub enum Few<T> {
     /// One, in place.
@@ -19,6 +19,22 @@ impl<T> Deref for Few<T> {
             Self::One(item) => std::slice::from_ref(item),
             Self::Many(items) => items,
         }
+    }
+}
+
+impl<T> DerefMut for Few<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        match self {
+            Self::One(item) => std::slice::from_mut(item),
+            Self::Many(items) => items,
+        }
+    }
+}
+
+impl<T> Default for Few<T> {
+    /// None.
+    fn default() -> Self {
+        Self::Many(Vec::new())
     }
 }
 

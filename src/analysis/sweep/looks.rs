@@ -3,7 +3,7 @@
 use super::tally::{Curve, Kind, SHARE, Tally};
 use crate::analysis::classify::{self, Artifact, StoredCaster};
 use crate::scene::CompareRule;
-use crate::shadow::breakpoint_where;
+use crate::shadow::{Few, breakpoint_where};
 use rayon::prelude::*;
 
 /// One comparison: receiver depth against stored depth.
@@ -27,7 +27,7 @@ pub struct Look {
 #[derive(Clone, Debug, Default)]
 pub struct Looks {
     /// In the filter's order; empty where the range test lights the receiver without a look-up.
-    pub taps: Vec<Look>,
+    pub taps: Few<Look>,
     /// The tap in the middle.
     pub centre: usize,
     /// Whether the receiver is truly lit.
@@ -110,7 +110,7 @@ impl Looks {
             let guess = rule.turning_point(look.z, look.stored) / scale;
             breakpoint_where(guess, |a| rule.is_lit(look.z, look.stored, bias(a)))
         };
-        let breakpoints: Vec<f32> = self.taps.iter().map(first_lit).collect();
+        let breakpoints: Few<f32> = self.taps.iter().map(first_lit).collect();
         for (look, &b) in self.taps.iter().zip(&breakpoints) {
             curve.lights(self.lit, b, look.share);
         }

@@ -11,7 +11,7 @@ use crate::device::Device;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Recipe};
-use crate::shadow::{self, Footprint, Footprints, Texels};
+use crate::shadow::{self, Few, Footprint, Footprints, Texels};
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
 /// Which receivers are read.
@@ -68,7 +68,7 @@ impl Chart<'_, '_> {
         let mut looks: Vec<Looks> = read.into_iter().map(|(_, looks)| looks).collect();
         for (look, sample) in looks.iter_mut().zip(&self.field.samples) {
             let z = receiver(sample);
-            for tap in &mut look.taps {
+            for tap in look.taps.iter_mut() {
                 (tap.z, tap.stored) = (-z, -tap.stored);
             }
         }
@@ -201,7 +201,7 @@ impl Chart<'_, '_> {
             }
             let i = mixed_tap(store, device, sample.lit, footprint);
             let kept = whole || !is_lit(i, depth);
-            return kept.then(|| Looks { taps: vec![one(i, depth, 1.0)], ..empty });
+            return kept.then(|| Looks { taps: Few::One(one(i, depth, 1.0)), ..empty });
         }
         let depth = |tap: &shadow::Tap| store.depth(device, tap.texel as usize);
         if !whole && (0..taps.len()).all(|i| is_lit(i, depth(&taps[i]))) {
