@@ -136,7 +136,7 @@ impl Chart<'_, '_> {
     }
 
     /// The fragments after casters' vertices have moved in world space (f64), transformed by the f32
-    /// clip matrix of the light.
+    /// clip matrix of the light; their slots are those of the chart's own fragments.
     fn fragments_moved(&self, recipe: &Recipe) -> Fragments {
         let observer = &self.field.observer;
         let case = self.field.case();

@@ -65,7 +65,8 @@ pub(super) struct Store<'s> {
 pub(super) type Known = ((TexelFormat, bool), Arc<Stored>);
 
 impl Chart<'_, '_> {
-    /// The map without a bias; stored once.
+    /// The map without a bias, stored once. The list is not locked meanwhile: storing waits for other
+    /// threads, and a thread that waits may come by here again.
     pub(super) fn own_store<'s>(
         &self,
         texel: TexelFormat,
@@ -73,14 +74,21 @@ impl Chart<'_, '_> {
         places: &'s Places<'s>,
     ) -> Store<'s> {
         let key = (texel, matches!(places, Places::Texels));
-        let mut list = self.stored.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = list.iter().find(|(known, _)| *known == key).map(|(_, s)| s.clone());
-        let stored = known.unwrap_or_else(|| {
+        let stored = self.known(key, None).unwrap_or_else(|| {
             let new = Arc::new(self.stored(texel, drawn));
-            list.push((key, new.clone()));
-            new
+            self.known(key, Some(&new)).unwrap_or(new)
         });
         Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
+    }
+
+    /// A map that was stored before; else `new` is kept from now on.
+    fn known(&self, key: (TexelFormat, bool), new: Option<&Arc<Stored>>) -> Option<Arc<Stored>> {
+        let mut list = self.stored.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = list.iter().find(|(known, _)| *known == key).map(|(_, s)| s.clone());
+        if let (None, Some(new)) = (&known, new) {
+            list.push((key, new.clone()));
+        }
+        known
     }
 
     /// A map drawn otherwise.
