@@ -102,7 +102,7 @@ fn one_light(kind: &str, job: &Job) {
         count(|t| *t == Truth::Ambiguous),
         work.swept,
         work.escalated,
-        answers.iter().zip(&arbiter).filter(|(a, b)| a != b).count(),
+        answers.iter().zip(&arbiter).filter(|(a, b)| a != *b).count(),
     );
     let bare = Options { skips: Skips::NONE, ..Options::default() };
     let mut ways = Ways::default();

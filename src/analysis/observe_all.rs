@@ -6,7 +6,7 @@ use super::foremost::{Foremost, Seen};
 use super::observation::{Observation, Standing};
 use super::observe::{Looking, Observer, Spot};
 use super::texels::TexelSet;
-use crate::truth::{Answer, Receiver, izb};
+use crate::truth::{Answer, Answers, Receiver, izb};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -25,8 +25,8 @@ impl Observer<'_> {
     pub fn observe_all(&self, step: u32) -> (Vec<Observation>, Vec<Count>) {
         let (receivers, places) = self.seen(step);
         let (answers, mut work) = self.answers(&receivers);
-        let witness = |(receiver, answer): (&Receiver, &Answer)| self.witnessed(receiver, answer);
-        let witnesses: Vec<Witness> = receivers.par_iter().zip(&answers).map(witness).collect();
+        let witness = |(k, receiver)| self.witnessed(receiver, &answers.get(k));
+        let witnesses: Vec<Witness> = receivers.par_iter().enumerate().map(witness).collect();
         let (centres, count) = self.centre_depths(&witnesses);
         work.push(count);
         work.push(Count {
@@ -35,10 +35,12 @@ impl Observer<'_> {
             evaluated: witnesses.iter().filter(|w| w.standing == Standing::Counted).count() as u64,
             because: "they face away, lie outside cone or map, or have no certain truth",
         });
-        let all = (receivers, places, witnesses, answers);
-        let judged = all.into_par_iter().map(|(receiver, (pixel, coord), w, answer)| {
+        let all = (receivers, places, witnesses).into_par_iter().enumerate();
+        let judged = all.map(|(k, (receiver, (pixel, coord), w))| {
             let looking = Looking { pixel, receiver, coord };
-            self.judge(looking, w.exact, answer, w.standing, || centres.depth(self, w.exact))
+            self.judge(looking, w.exact, answers.get(k), w.standing, || {
+                centres.depth(self, w.exact)
+            })
         });
         (judged.collect(), work)
     }
@@ -48,8 +50,9 @@ impl Observer<'_> {
     pub(super) fn counted(&self, step: u32) -> Vec<(Looking, DVec3, Answer)> {
         let (receivers, places) = self.seen(step);
         let (answers, _) = self.answers(&receivers);
-        let all = (receivers, places, answers);
-        let counted = all.into_par_iter().filter_map(|(receiver, (pixel, coord), answer)| {
+        let all = (receivers, places).into_par_iter().enumerate();
+        let counted = all.filter_map(|(k, (receiver, (pixel, coord)))| {
+            let answer = answers.get(k);
             let witness = self.witnessed(&receiver, &answer);
             let looking = Looking { pixel, receiver, coord };
             (witness.standing == Standing::Counted).then_some((looking, witness.exact, answer))
@@ -79,10 +82,11 @@ impl Observer<'_> {
     }
 
     /// What all receivers see.
-    fn answers(&self, receivers: &[Receiver]) -> (Vec<Answer>, Vec<Count>) {
+    fn answers(&self, receivers: &[Receiver]) -> (Answers, Vec<Count>) {
         let light = self.light();
         if self.effort.truth == TruthBy::Rays {
-            return (self.tracer.truths(receivers, light), Vec::new());
+            let answers = self.tracer.truths(receivers, light);
+            return (answers.into_iter().collect(), Vec::new());
         }
         let skips = if self.effort.skip { izb::Skips::ALL } else { izb::Skips::NONE };
         let options = izb::Options { skips, ..izb::Options::default() };

@@ -45,6 +45,13 @@ impl Lanes {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
 
+    /// The smaller one; the other one where one is not a number.
+    #[inline(always)]
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
     /// 1/x, rounded once.
     #[inline(always)]
     #[must_use]

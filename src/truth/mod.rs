@@ -26,12 +26,14 @@
 //! binades (about 100 decimal orders). Beyond that the triangle counts as grazing: ambiguous
 //! unless another occluder is certain.
 
+mod answers;
 mod bvh;
 mod cover;
 mod intersect;
 pub mod izb;
 mod orient;
 
+pub use answers::Answers;
 pub use bvh::Tracer;
 
 use glam::DVec3;

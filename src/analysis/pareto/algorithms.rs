@@ -72,7 +72,7 @@ fn truths(observer: &Observer<'_>, receivers: &[Receiver]) -> Vec<Way> {
         let options = izb::Options { skips, ..izb::Options::default() };
         let ((answers, work), seconds) =
             timed(|| izb::truths_with(geometry, receivers, light, options));
-        let different = answers.iter().zip(&arbiter).filter(|(a, b)| a != b).count() as u64;
+        let different = answers.iter().zip(&arbiter).filter(|(a, b)| a != *b).count() as u64;
         ways.push(way(name, pairs, work.evaluated, different, seconds));
     }
     for (name, offset) in [

@@ -14,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::{LightEnd, Receiver};
-use super::bins::Members;
+use super::members::Members;
 use crate::simd::lanes::{BATCH, Lanes};
 use crate::simd::{Kernel, Level};
 
@@ -23,6 +23,9 @@ const WIDEST: f64 = 4.0;
 
 /// Nor does one that is farther away than this many times the size of the scene.
 const FARTHEST: f64 = 1e3;
+
+/// By so many cells rounding may place a receiver beside the grid: less than a triangle is padded.
+const BESIDE: f64 = 1e-4;
 
 /// One projection of a light, with its grid of cells.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +108,7 @@ impl Frame {
         let Vertex { v, q } = *vertex;
         let sideways = v.x.abs().max(v.y.abs());
         if self.is_point {
-            v.z > 1e-12 && v.z < FARTHEST && sideways <= WIDEST * v.z
+            is_deep(v.z) && sideways <= WIDEST * v.z
         } else {
             sideways <= FARTHEST && q.abs() < FARTHEST
         }
@@ -190,12 +193,24 @@ impl Frame {
         for k in 0..BATCH {
             let (x, y, z) = (x.0[k].abs(), y.0[k].abs(), z.0[k]);
             let (widest, deep) = match self.is_point {
-                true => (WIDEST * z, (z > 1e-12) & (z < FARTHEST)),
+                true => (WIDEST * z, is_deep(z)),
                 false => (FARTHEST, q.0[k].abs() < FARTHEST),
             };
             holds &= deep & (x <= widest) & (y <= widest);
         }
         holds
+    }
+
+    /// Whether receivers of this reach lie in the box of the grid, but for [`BESIDE`]: then they are
+    /// also held.
+    pub(super) fn contains(&self, reach: &Reach) -> bool {
+        let end = self.cells as f64 + BESIDE;
+        let is_deep = match self.is_point {
+            true => is_deep(reach.least(2)) && is_deep(reach.most(2)),
+            false => reach.most(3).max(-reach.least(3)) <= self.depth_scale,
+        };
+        let inside = |axis| reach.least(axis) > -BESIDE && reach.most(axis) < end;
+        is_deep && inside(0) && inside(1) && reach.is_sane()
     }
 
     /// Above this depth a candidate's order along the segment is not judged by depth: the error of
@@ -204,6 +219,12 @@ impl Frame {
     pub(super) fn order_limit(&self, receiver_depth: f32) -> f32 {
         if self.is_point { 64.0 * receiver_depth } else { f32::INFINITY }
     }
+}
+
+/// Whether a height above a point light is far enough from it and near enough.
+#[inline(always)]
+fn is_deep(z: f64) -> bool {
+    (z > 1e-12) & (z < FARTHEST)
 }
 
 /// Eight vertices in light space.
@@ -221,6 +242,47 @@ impl Eight {
     pub(super) fn places(&self) -> [Lanes; 3] {
         let inverse = self.v[2].recip();
         [self.v[0] * inverse, self.v[1] * inverse, self.q * inverse]
+    }
+}
+
+/// How far receivers reach: their grid position, their height above the light and their depth.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    low: [Lanes; 4],
+    high: [Lanes; 4],
+    /// Not a number if one of them was none.
+    odd: Lanes,
+}
+
+impl Default for Reach {
+    fn default() -> Self {
+        let (low, high) = (Lanes::splat(f64::INFINITY), Lanes::splat(f64::NEG_INFINITY));
+        Self { low: [low; 4], high: [high; 4], odd: Lanes::splat(0.0) }
+    }
+}
+
+impl Reach {
+    /// Adds eight receivers that fall on these places.
+    #[inline(always)]
+    pub(super) fn add(&mut self, eight: &Eight, places: &[Lanes; 3]) {
+        let values = [places[0], places[1], eight.v[2], eight.q];
+        for axis in 0..4 {
+            self.low[axis] = self.low[axis].min(values[axis]);
+            self.high[axis] = self.high[axis].max(values[axis]);
+        }
+        self.odd = self.odd + (places[0] + places[1] + places[2]) * 0.0;
+    }
+
+    fn least(&self, axis: usize) -> f64 {
+        self.low[axis].0.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    fn most(&self, axis: usize) -> f64 {
+        self.high[axis].0.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn is_sane(&self) -> bool {
+        self.odd.0.iter().all(|x| *x == 0.0)
     }
 }
 

@@ -13,12 +13,15 @@
 //! triangles farther from the light than all receivers of their cells, and hits that lie, by more
 //! than their bounds, between the occluders already known.
 //!
-//! Memory: 12 bytes a vertex, 32 a receiver and 8 a cell (12 and more on several threads) beside the
-//! answers (40 each); nothing a triangle.
+//! Memory: 16 bytes a vertex and about 45 a receiver (16 of its block, 8 of what is known about its
+//! occluders, 4 each of its order, its column, its state and its answer; more where rows are short),
+//! 40 for each answer that is not *lit*; nothing a triangle.
 
 mod bins;
 mod frame;
+mod members;
 mod setup;
+mod sort;
 mod sweep;
 mod vertices;
 mod work;
@@ -28,11 +31,12 @@ use rayon::prelude::*;
 
 use super::cover::Contacts;
 use super::intersect::{Contact, Meeting, Segment};
-use super::{Answer, LightEnd, Occlusion, Receiver, Tracer, Truth};
+use super::{Answer, Answers, LightEnd, Occlusion, Receiver, Tracer, Truth};
 use crate::scene::Geometry;
 use crate::simd::Level;
-use bins::{Bins, Members};
+use bins::Bins;
 use frame::Frame;
+use members::Members;
 use sweep::{Chunk, Found, Known, Shared, State};
 use vertices::Vertices;
 pub use work::{Skips, Work};
@@ -65,7 +69,7 @@ impl Default for Options {
 /// Scenes whose coordinates are larger than 2^16 times their size, and directional lights whose
 /// vector is longer than 64 times the scene, are left to the rays.
 #[must_use]
-pub fn truths(geometry: &Geometry, receivers: &[Receiver], light: LightEnd) -> Vec<Answer> {
+pub fn truths(geometry: &Geometry, receivers: &[Receiver], light: LightEnd) -> Answers {
     truths_with(geometry, receivers, light, Options::default()).0
 }
 
@@ -76,12 +80,10 @@ pub fn truths_with(
     receivers: &[Receiver],
     light: LightEnd,
     options: Options,
-) -> (Vec<Answer>, Work) {
+) -> (Answers, Work) {
     let space = Space::new(geometry, light);
     let mut job = Job { geometry, receivers, light, space, options, work: Work::default() };
-    let mut answers = Vec::new();
-    let lit = |_: &Receiver| Answer { truth: Truth::Lit, touching: 0 };
-    receivers.par_iter().with_min_len(1 << 16).map(lit).collect_into_vec(&mut answers);
+    let mut answers = Answers::lit(receivers.len());
     let left = if space.is_sane() {
         job.frames(&mut answers)
     } else {
@@ -136,7 +138,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// Answers the receivers that some frame holds; returns the others.
-    fn frames(&mut self, answers: &mut [Answer]) -> Vec<u32> {
+    fn frames(&mut self, answers: &mut Answers) -> Vec<u32> {
         let axis = Frame::axis(self.light, self.receivers);
         let scale = 1.0 / self.space.size;
         let mut left: Option<Vec<u32>> = None;
@@ -145,16 +147,16 @@ impl Job<'_> {
                 None => Members::All(self.receivers.len()),
                 Some(left) => Members::Some(left),
             };
-            if let Some(range) = frame.survey(self.receivers, members, self.options.level) {
-                self.run(&frame, range, members, answers);
+            if let Some((frame, bins)) = self.sorted(&frame, members) {
+                self.run(&frame, &bins, members.len(), answers);
                 return Vec::new();
             }
             let held = |&k: &u32| frame.holds(self.receivers[k as usize].position);
             let all = (0..members.len()).map(|k| members.index(k) as u32);
-            let (inside, outside): (Vec<u32>, Vec<u32>) = all.partition(held);
-            let members = Members::Some(&inside);
-            if let Some(range) = frame.survey(self.receivers, members, self.options.level) {
-                self.run(&frame, range, members, answers);
+            let (inside, mut outside): (Vec<u32>, Vec<u32>) = all.partition(held);
+            match self.sorted(&frame, Members::Some(&inside)) {
+                Some((frame, bins)) => self.run(&frame, &bins, inside.len(), answers),
+                None => outside.extend(inside),
             }
             left = Some(outside);
         }
@@ -162,7 +164,7 @@ impl Job<'_> {
     }
 
     /// What no frame holds (receivers at the light, absurd numbers) goes to the rays.
-    fn leftovers(&self, left: &[u32], answers: &mut [Answer]) {
+    fn leftovers(&self, left: &[u32], answers: &mut Answers) {
         if left.is_empty() {
             return;
         }
@@ -173,18 +175,37 @@ impl Job<'_> {
             Tracer::new(self.geometry)
         };
         for (&k, answer) in left.iter().zip(tracer.truths(&receivers, self.light)) {
-            answers[k as usize] = answer;
+            *answers.at(k as usize) = answer;
         }
     }
 
-    /// Answers the receivers of a frame.
-    fn run(&mut self, frame: &Frame, range: [DVec3; 2], members: Members, answers: &mut [Answer]) {
+    /// The receivers in the grid of a frame; none unless it holds them all, or there is none.
+    ///
+    /// The box of the grid is guessed from a sample; only where a receiver lies beside it are all
+    /// asked.
+    fn sorted(&self, frame: &Frame, members: Members) -> Option<(Frame, Bins)> {
         if members.len() == 0 {
-            return;
+            return None;
         }
+        let (receivers, level) = (self.receivers, self.options.level);
         let side = ((members.len() / PER_CELL) as f64).sqrt() as usize;
-        let frame = &frame.with_grid(range, side.clamp(1, 4096));
-        let bins = &Bins::new(frame, self.receivers, members, self.options.level);
+        let fill = |range| {
+            let frame = frame.with_grid(range, side.clamp(1, 4096));
+            sort::sorted(&frame, receivers, members, level).map(|bins| (frame, bins))
+        };
+        let sample = members.sample();
+        if !sample.is_empty() {
+            let [low, high] = frame.survey(receivers, Members::Some(&sample), level)?;
+            let pad = (high - low) / 16.0;
+            if let Some(sorted) = fill([low - pad, high + pad]) {
+                return Some(sorted);
+            }
+        }
+        fill(frame.survey(receivers, members, level)?)
+    }
+
+    /// Answers the receivers of a frame.
+    fn run(&mut self, frame: &Frame, bins: &Bins, receivers_held: usize, answers: &mut Answers) {
         let vertices = &Vertices::new(frame, self.geometry, self.options.level);
         let known = &Known::new(bins.index.len());
         let Self { geometry, receivers, light, .. } = *self;
@@ -194,7 +215,7 @@ impl Job<'_> {
             Shared { geometry, receivers, light, extent, frame, bins, vertices, known, skips };
         let found = self.sweep(shared);
         self.work += found.work;
-        self.work.answered += members.len() as u64 * geometry.triangles.len() as u64;
+        self.work.answered += receivers_held as u64 * geometry.triangles.len() as u64;
         self.settle(bins, found, answers);
     }
 
@@ -212,9 +233,9 @@ impl Job<'_> {
     }
 
     /// Turns contacts into answers.
-    fn settle(&self, bins: &Bins, found: Found, answers: &mut [Answer]) {
+    fn settle(&self, bins: &Bins, found: Found, answers: &mut Answers) {
         for place in found.touching {
-            answers[bins.index[place as usize] as usize].touching += 1;
+            answers.at(bins.index[place as usize] as usize).touching += 1;
         }
         let mut slots = vec![0_u32; bins.index.len()];
         let mut states: Vec<(u32, State)> = Vec::new();
@@ -227,7 +248,7 @@ impl Job<'_> {
             states[*slot as usize - 1].1.add(contact);
         }
         for (index, state) in &states {
-            answers[*index as usize].truth = self.shadowed(*index, state);
+            answers.at(*index as usize).truth = self.shadowed(*index, state);
         }
         let mut marginal = found.marginal;
         marginal.sort_unstable_by_key(|(place, contact)| (*place, contact.triangle));
@@ -235,11 +256,11 @@ impl Job<'_> {
             let place = group[0].0 as usize;
             let state = (slots[place] as usize).checked_sub(1).map(|slot| &states[slot].1);
             let index = bins.index[place];
-            answers[index as usize].truth = self.marginal(index, state, group);
+            answers.at(index as usize).truth = self.marginal(index, state, group);
         }
         for place in found.void {
             let index = bins.index[place as usize];
-            answers[index as usize] = Answer { truth: Truth::Ambiguous, touching: 0 };
+            *answers.at(index as usize) = Answer { truth: Truth::Ambiguous, touching: 0 };
         }
     }
 

@@ -14,7 +14,6 @@ const U32: f64 = f32::EPSILON as f64 / 2.0;
 pub(super) struct Batch {
     pub(super) len: usize,
     pub(super) ids: [u32; BATCH],
-    pub(super) items: [Item; BATCH],
     /// World positions.
     corners: [[Lanes; 3]; 3],
     middle: [[f64; BATCH]; 2],
@@ -23,11 +22,11 @@ pub(super) struct Batch {
 
 /// Affine functions of the position relative to `origin`, in f32 and in units of their own error
 /// bound: below -1 the exact value is negative, above 1 it is positive, for every receiver of the
-/// item's cells. All are 0 where the area is lost in the rounding of the vertices: then every
-/// receiver of the cells is a candidate.
+/// item's runs. All are 0 where the area is lost in the rounding of the vertices: then every
+/// receiver of the runs is a candidate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planes {
-    /// Middle of the cells.
+    /// Middle of the item.
     origin: [[f32; BATCH]; 2],
     /// `a dx + b dy + c`, positive inside.
     edges: [[[f32; BATCH]; 3]; 3],
@@ -65,7 +64,6 @@ impl Batch {
     pub(super) const EMPTY: Self = Self {
         len: 0,
         ids: [0; BATCH],
-        items: [Item { columns: [0; 2], rows: [0; 2] }; BATCH],
         corners: [[Lanes([0.0; BATCH]); 3]; 3],
         middle: [[0.0; BATCH]; 2],
         reach: [0.0; BATCH],
@@ -73,14 +71,15 @@ impl Batch {
 
     /// Adds a triangle with these corners.
     #[inline(always)]
-    pub(super) fn push(&mut self, id: u32, corners: [DVec3; 3], item: Item) {
+    pub(super) fn push(&mut self, id: u32, corners: [DVec3; 3], item: &Item) {
         let k = self.len;
         let ([left, right], [bottom, top]) = (item.columns, item.rows);
-        let wide = right.wrapping_sub(left).max(top.wrapping_sub(bottom));
-        (self.ids[k], self.items[k]) = (id, item);
-        self.middle[0][k] = (f64::from(left) + f64::from(right) + 1.0) / 2.0;
-        self.middle[1][k] = (f64::from(bottom) + f64::from(top) + 1.0) / 2.0;
-        self.reach[k] = f64::from(wide) / 2.0 + 1.0;
+        let high = f64::from(top - bottom) + 1.0;
+        self.ids[k] = id;
+        self.middle[0][k] = f64::from((left + right) / 2.0);
+        self.middle[1][k] = f64::from(bottom) + high / 2.0;
+        // A run begins and ends less than a unit beside the triangle.
+        self.reach[k] = high.max(f64::from(right - left)) / 2.0 + 1.25;
         for corner in 0..3 {
             let [x, y, z] = &mut self.corners[corner];
             (x.0[k], y.0[k], z.0[k]) = corners[corner].into();
@@ -92,7 +91,7 @@ impl Batch {
     #[inline(always)]
     pub(super) fn planes(&self, frame: &Frame) -> Planes {
         let middle = [Lanes(self.middle[0]), Lanes(self.middle[1])];
-        // Relative to the middle of the cells, so that small triangles keep their digits.
+        // Relative to the middle of the item, so that small triangles keep their digits.
         let [a, b, c] = &self.corners;
         let [a, b, c] = [frame.eight(a), frame.eight(b), frame.eight(c)];
         let v = [beside(&a.v, middle), beside(&b.v, middle), beside(&c.v, middle)];
@@ -177,7 +176,7 @@ fn scaled(plane: [Lanes; 3], unit: Lanes) -> [[f32; BATCH]; 3] {
     [(plane[0] * unit).narrow(), (plane[1] * unit).narrow(), (plane[2] * unit).narrow()]
 }
 
-/// A vertex relative to the middle of the cells.
+/// A vertex relative to the middle of the item.
 #[inline(always)]
 fn beside([x, y, z]: &[Lanes; 3], middle: [Lanes; 2]) -> [Lanes; 3] {
     [*x - middle[0] * *z, *y - middle[1] * *z, *z]

@@ -1,17 +1,18 @@
 //! The sweep: every triangle over the receivers of its cells, sixteen at a time.
 #![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
 use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
-use super::bins::{Bins, LANES};
+use super::bins::{Bins, Block, LANES};
 use super::frame::Frame;
 use super::setup::{Batch, Plane};
 use super::vertices::{Item, Vertices};
-use super::work::{Skips, Work};
+use super::work::{Skipped, Skips, Work};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
 use crate::simd::lanes::BATCH;
@@ -83,8 +84,16 @@ pub(super) struct Found {
 #[derive(Debug)]
 pub(super) struct Chunk<'a> {
     pub(super) shared: Shared<'a>,
-    pub(super) ids: std::ops::Range<u32>,
+    pub(super) ids: Range<u32>,
     pub(super) found: Found,
+}
+
+/// Places that a triangle of a batch is run over.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    slot: u32,
+    start: u32,
+    end: u32,
 }
 
 impl Kernel for Chunk<'_> {
@@ -92,57 +101,92 @@ impl Kernel for Chunk<'_> {
 
     #[inline(always)]
     fn run(mut self, _has_fma: bool) -> Found {
-        let Shared { geometry, vertices, bins, skips, .. } = self.shared;
-        let mut batch = Batch::EMPTY;
+        let Shared { geometry, vertices, frame, .. } = self.shared;
+        let (mut batch, mut runs) = (Batch::EMPTY, Vec::new());
         for id in self.ids.clone() {
             let corners = geometry.triangles[id as usize];
             self.found.work.triangles += 1;
-            match vertices.item(corners, bins, skips) {
-                Ok(item) => batch.push(id, vertices.corners(corners), item),
-                Err(skipped) => self.found.work.skip(skipped),
+            let Some(item) = vertices.item(corners, frame.cells) else {
+                self.found.work.outside += 1;
+                continue;
+            };
+            match self.runs(&item, batch.len as u32, &mut runs) {
+                None => batch.push(id, vertices.corners(corners), &item),
+                Some(skipped) => self.found.work.skip(skipped),
             }
             if batch.len == BATCH {
-                self.sweep(&mut batch);
+                self.sweep(&mut batch, &mut runs);
             }
         }
-        self.sweep(&mut batch);
+        self.sweep(&mut batch, &mut runs);
         self.found
     }
 }
 
 impl Chunk<'_> {
-    /// Runs the triangles of a batch over the receivers of their cells, and empties it.
+    /// Notes the runs of receivers that a triangle may shadow, or why there are none: no receiver is
+    /// there, or all are nearer to the light than the triangle.
     #[inline(always)]
-    fn sweep(&mut self, batch: &mut Batch) {
+    fn runs(&self, item: &Item, slot: u32, runs: &mut Vec<Run>) -> Option<Skipped> {
+        let Shared { bins, skips, .. } = self.shared;
+        let (mut swept, mut behind) = (false, false);
+        for row in usize::from(item.rows[0])..usize::from(item.rows[1]) + 1 {
+            let run = bins.run(row, item.columns);
+            if run.is_empty() {
+                continue;
+            }
+            if skips.behind && bins.is_before(&run, item.nearest) {
+                behind = true;
+                continue;
+            }
+            swept = true;
+            runs.push(Run { slot, start: run.start as u32, end: run.end as u32 });
+        }
+        match (swept, behind) {
+            (true, _) => None,
+            (_, true) => Some(Skipped::Behind),
+            _ => skips.empty.then_some(Skipped::Empty),
+        }
+    }
+
+    /// Runs the triangles of a batch over their receivers, and empties it.
+    #[inline(always)]
+    fn sweep(&mut self, batch: &mut Batch, runs: &mut Vec<Run>) {
         let planes = batch.planes(self.shared.frame);
         self.found.work.swept += batch.len as u64;
-        for k in 0..batch.len {
-            self.sweep_one(batch.ids[k], batch.items[k], &planes.get(k));
+        for run in &*runs {
+            let slot = run.slot as usize;
+            self.found.work.evaluated += u64::from(run.end - run.start);
+            self.sweep_run(batch.ids[slot], &planes.get(slot), run);
         }
+        runs.clear();
         batch.len = 0;
     }
 
+    /// Runs a triangle over the receivers of a run, block by block.
     #[inline(always)]
-    fn sweep_one(&mut self, id: u32, item: Item, plane: &Plane) {
-        let bins = self.shared.bins;
-        let (left, right) = (usize::from(item.columns[0]), usize::from(item.columns[1]) + 1);
-        for row in item.rows[0]..=item.rows[1] {
-            let run = bins.run(usize::from(row), left, right);
-            self.found.work.evaluated += run.len() as u64;
-            let mut at = run.start;
-            while at < run.end {
-                let lanes = (run.end - at).min(LANES);
-                if any(plane, bins, at, lanes, id) {
-                    let tests = Tests::new(plane, bins, at);
-                    let own = load(&bins.own, at);
-                    for lane in 0..lanes {
-                        let test = (tests.inside[lane], tests.nearer[lane]);
-                        if (test.0 >= -1.0) & (test.1 >= -1.0) & (own[lane] != id) {
-                            self.candidate(id, plane.depth_error, test, at + lane);
-                        }
-                    }
-                }
-                at += lanes;
+    fn sweep_run(&mut self, id: u32, plane: &Plane, run: &Run) {
+        let (start, end) = (run.start as usize, run.end as usize);
+        let mut first = start - start % LANES;
+        while first < end {
+            let block = &self.shared.bins.blocks[first / LANES];
+            let lanes = start.saturating_sub(first)..LANES.min(end - first);
+            if Tests::new(plane, block).any(block, &lanes, id) {
+                self.candidates(id, plane, first, lanes);
+            }
+            first = first.wrapping_add(LANES);
+        }
+    }
+
+    /// Those of a block's receivers that the triangle may shadow or touch.
+    #[inline(always)]
+    fn candidates(&mut self, id: u32, plane: &Plane, first: usize, lanes: Range<usize>) {
+        let block = &self.shared.bins.blocks[first / LANES];
+        let tests = Tests::new(plane, block);
+        for lane in lanes {
+            let (inside, nearer) = (tests.inside[lane], tests.nearer[lane]);
+            if (inside >= -1.0) & (nearer >= -1.0) & (block.own[lane] != id) {
+                self.candidate(id, plane.depth_error, (inside, nearer), first + lane);
             }
         }
     }
@@ -154,7 +198,7 @@ impl Chunk<'_> {
         if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
-        let receiver_depth = bins.depth[place];
+        let receiver_depth = bins.blocks[place / LANES].depth[place % LANES];
         let depth = receiver_depth + nearer * error;
         let depths = [depth - 2.0 * error, depth + 2.0 * error];
         let [near, far] = known.get(place);
@@ -231,8 +275,8 @@ struct Tests {
 
 impl Tests {
     #[inline(always)]
-    fn new(plane: &Plane, bins: &Bins, at: usize) -> Self {
-        let (x, y, depth) = (load(&bins.x, at), load(&bins.y, at), load(&bins.depth, at));
+    fn new(plane: &Plane, receivers: &Block) -> Self {
+        let Block { x, y, depth, .. } = receivers;
         let mut tests = Self { inside: [0.0; LANES], nearer: [0.0; LANES] };
         let [[a0, b0, c0], [a1, b1, c1], [a2, b2, c2]] = plane.edges;
         let [a, b, c] = plane.depth;
@@ -247,22 +291,32 @@ impl Tests {
         }
         tests
     }
-}
 
-/// Whether any of so many receivers that do not lie on triangle `id` may be shadowed by it.
-#[inline(always)]
-fn any(plane: &Plane, bins: &Bins, at: usize, lanes: usize, id: u32) -> bool {
-    let tests = Tests::new(plane, bins, at);
-    let own = load(&bins.own, at);
-    let mut any = false;
-    for k in 0..LANES {
-        let meets = (tests.inside[k] >= -1.0) & (tests.nearer[k] >= -1.0);
-        any |= meets & (own[k] != id) & ((k as u32) < lanes as u32);
+    /// Whether any receiver of these lanes does not lie on triangle `id` and may be shadowed by it.
+    #[inline(always)]
+    fn any(&self, receivers: &Block, lanes: &Range<usize>, id: u32) -> bool {
+        let (start, end) = (&BELOW[lanes.start], &BELOW[lanes.end]);
+        let mut any = false;
+        for k in 0..LANES {
+            let meets = (self.inside[k] >= -1.0) & (self.nearer[k] >= -1.0);
+            any |= meets & (receivers.own[k] != id) & (start[k] != end[k]);
+        }
+        any
     }
-    any
 }
 
-#[inline(always)]
-fn load<T>(values: &[T], at: usize) -> &[T; LANES] {
-    values[at..at + LANES].first_chunk().expect("as long as that")
-}
+/// Of each number of lanes, 1 in the lanes below it. A table: comparing lanes with numbers compiles to
+/// more than a load.
+static BELOW: [[u32; LANES]; LANES + 1] = {
+    let mut below = [[0; LANES]; LANES + 1];
+    let mut n = 0;
+    while n <= LANES {
+        let mut k = 0;
+        while k < n {
+            below[n][k] = 1;
+            k += 1;
+        }
+        n += 1;
+    }
+    below
+};

@@ -1,35 +1,39 @@
-//! Where vertices fall on the grid, and which cells a triangle may shadow.
+//! Where vertices fall on the grid, and where on it a triangle may shadow receivers.
+#![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
-use super::bins::{BLOCK, Bins};
+use super::bins::{nearer, row_of};
 use super::frame::Frame;
-use super::work::{Skipped, Skips};
 use crate::scene::Geometry;
 use crate::simd::lanes::{BATCH, Lanes};
 use crate::simd::{Kernel, Level};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A triangle and the cells that it may shadow, both ends included.
+/// Where on the grid a triangle may shadow receivers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
-    pub(super) columns: [u16; 2],
+    /// From where to where along the rows.
+    pub(super) columns: [f32; 2],
+    /// First and last row.
     pub(super) rows: [u16; 2],
+    /// Its largest depth and its margin: depth over a triangle is largest at a corner.
+    pub(super) nearest: f32,
 }
 
-/// Grid positions and depths of all vertices in f32 (NaN where a vertex is behind the light or nearly
-/// so).
+/// Grid positions and depths of all vertices in f32 and a 0, so that all are compared at once (NaN where
+/// a vertex is behind the light or nearly so).
 #[derive(Debug)]
 pub(super) struct Vertices<'a> {
     frame: &'a Frame,
     positions: &'a [DVec3],
-    screen: Vec<[f32; 3]>,
+    screen: Vec<[f32; 4]>,
 }
 
 /// Some of them.
 struct Project<'a> {
     frame: &'a Frame,
     positions: &'a [DVec3],
-    screen: &'a mut [[f32; 3]],
+    screen: &'a mut [[f32; 4]],
 }
 
 impl Kernel for Project<'_> {
@@ -49,7 +53,7 @@ impl Kernel for Project<'_> {
             for (k, screen) in screen.iter_mut().enumerate() {
                 let near_axis = (x.0[k].abs() < 1e6) & (y.0[k].abs() < 1e6);
                 let seen = (eight.v[2].0[k] > 0.0) & near_axis;
-                *screen = if seen { [sx[k], sy[k], sd[k]] } else { [f32::NAN; 3] };
+                *screen = if seen { [sx[k], sy[k], sd[k], 0.0] } else { [f32::NAN; 4] };
             }
         }
     }
@@ -59,7 +63,7 @@ impl<'a> Vertices<'a> {
     pub(super) fn new(frame: &'a Frame, geometry: &'a Geometry, level: Level) -> Self {
         const RUN: usize = 1 << 13;
         let positions = &geometry.positions;
-        let mut screen = vec![[0.0; 3]; positions.len()];
+        let mut screen = vec![[0.0; 4]; positions.len()];
         let runs = screen.par_chunks_mut(RUN).zip(positions.par_chunks(RUN));
         runs.for_each(|(screen, positions)| level.run(Project { frame, positions, screen }));
         Self { frame, positions, screen }
@@ -71,34 +75,25 @@ impl<'a> Vertices<'a> {
         [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
-    /// The cells that a triangle may shadow, or why there are none.
-    ///
-    /// Left out is a triangle whose cells hold no receiver, and one that is farther from the light
-    /// than the farthest receiver of its blocks: depth over a triangle is largest at a corner.
+    /// Where on a grid of `cells * cells` a triangle may shadow receivers; none where it lies beside.
     #[inline(always)]
-    pub(super) fn item(
-        &self,
-        corners: [u32; 3],
-        bins: &Bins,
-        skips: Skips,
-    ) -> Result<Item, Skipped> {
+    pub(super) fn item(&self, corners: [u32; 3], cells: usize) -> Option<Item> {
         let [a, b, c] = corners;
-        let (a, b, c) = (self.screen[a as usize], self.screen[b as usize], self.screen[c as usize]);
-        let low = [lesser(a[0], lesser(b[0], c[0])), lesser(a[1], lesser(b[1], c[1]))];
-        let high = [greater(a[0], greater(b[0], c[0])), greater(a[1], greater(b[1], c[1]))];
-        let nearest = greater(a[2], greater(b[2], c[2]));
-        let (low, high, nearest) = if (a[2] + b[2] + c[2]).is_nan() {
-            match self.clipped(corners, bins.cells as f64) {
-                Some((low, high)) => (low, high, f32::INFINITY),
-                None => return Err(Skipped::Outside),
-            }
-        } else {
-            (low, high, nearest)
-        };
-        match cells(low, high, bins.cells) {
-            Some(cells) => shadowing(cells, nearest, bins, skips),
-            None => Err(Skipped::Outside),
+        let (a, b, c) =
+            (&self.screen[a as usize], &self.screen[b as usize], &self.screen[c as usize]);
+        let (mut low, mut high) = ([0.0; 4], [0.0; 4]);
+        for k in 0..4 {
+            low[k] = lesser(a[k], lesser(b[k], c[k]));
         }
+        for k in 0..4 {
+            high[k] = greater(a[k], greater(b[k], c[k]));
+        }
+        if (a[2] + b[2] + c[2]).is_nan() {
+            let (low, high) = self.clipped(corners, cells as f64)?;
+            let [low, high] = [low, high].map(|[x, y]| [x, y, 0.0, 0.0]);
+            return on_grid(low, high, f32::INFINITY, cells);
+        }
+        on_grid(low, high, nearer(high[2]), cells)
     }
 
     /// Bounds on the grid of a triangle that reaches behind the light: it is clipped to the
@@ -167,61 +162,26 @@ fn clip(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
     kept
 }
 
-/// The cells that bounds touch, widened by the rounding of f32 positions.
+/// The part of bounds that lies on the grid, widened by the rounding of f32 positions.
 #[inline(always)]
-fn cells(low: [f32; 2], high: [f32; 2], cells: usize) -> Option<[[u16; 2]; 2]> {
+fn on_grid(mut low: [f32; 4], mut high: [f32; 4], nearest: f32, cells: usize) -> Option<Item> {
     let end = cells as f32;
-    let (first_x, last_x) = (low[0] - pad(low[0]), high[0] + pad(high[0]));
-    let (first_y, last_y) = (low[1] - pad(low[1]), high[1] + pad(high[1]));
-    let inside = (last_x >= 0.0) & (first_x < end) & (last_y >= 0.0) & (first_y < end);
-    let last = cells as i32 - 1;
-    inside.then_some([
-        [(first_x as i32).clamp(0, last) as u16, (last_x as i32).clamp(0, last) as u16],
-        [(first_y as i32).clamp(0, last) as u16, (last_y as i32).clamp(0, last) as u16],
-    ])
+    for k in 0..4 {
+        low[k] -= pad(low[k]);
+    }
+    for k in 0..4 {
+        high[k] += pad(high[k]);
+    }
+    let inside = (high[0] >= 0.0) & (low[0] < end) & (high[1] >= 0.0) & (low[1] < end);
+    inside.then_some(Item {
+        columns: [greater(low[0], -1.0), lesser(high[0], end + 1.0)],
+        rows: [row_of(low[1], cells) as u16, row_of(high[1], cells) as u16],
+        nearest,
+    })
 }
 
 /// What an f32 position may be off.
 #[inline(always)]
 fn pad(x: f32) -> f32 {
     1.0 / 1024.0 + x.abs() * (1.0 / 2_097_152.0)
-}
-
-/// The item, unless every receiver of its cells is nearer to the light, or there is none.
-#[inline(always)]
-fn shadowing(
-    [columns, rows]: [[u16; 2]; 2],
-    nearest: f32,
-    bins: &Bins,
-    skips: Skips,
-) -> Result<Item, Skipped> {
-    let mut farthest = f32::INFINITY;
-    for row in usize::from(rows[0]) / BLOCK..=usize::from(rows[1]) / BLOCK {
-        let base = row * bins.blocks();
-        let (left, right) = (usize::from(columns[0]) / BLOCK, usize::from(columns[1]) / BLOCK);
-        for &depth in &bins.farthest[base + left..=base + right] {
-            farthest = lesser(farthest, depth);
-        }
-    }
-    if skips.empty && (farthest == f32::INFINITY || is_empty(columns, rows, bins)) {
-        return Err(Skipped::Empty);
-    }
-    let margin = 1e-5 * (nearest.abs() + farthest.abs()) + 1e-9;
-    if skips.behind && nearest + margin < farthest {
-        return Err(Skipped::Behind);
-    }
-    Ok(Item { columns, rows })
-}
-
-/// Whether no receiver lies in the cells.
-#[inline(always)]
-fn is_empty(columns: [u16; 2], rows: [u16; 2], bins: &Bins) -> bool {
-    let (left, right) = (usize::from(columns[0]), usize::from(columns[1]) + 1);
-    for row in rows[0]..=rows[1] {
-        let run = bins.run(usize::from(row), left, right);
-        if run.start < run.end {
-            return false;
-        }
-    }
-    true
 }

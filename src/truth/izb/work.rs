@@ -56,7 +56,6 @@ impl Work {
     #[inline(always)]
     pub(super) fn skip(&mut self, why: Skipped) {
         match why {
-            Skipped::Outside => self.outside += 1,
             Skipped::Empty => self.empty += 1,
             Skipped::Behind => self.behind += 1,
         }
@@ -79,7 +78,6 @@ impl AddAssign for Work {
 /// Why a triangle is not swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Skipped {
-    Outside,
     Empty,
     Behind,
 }
