@@ -19,7 +19,9 @@
 
 mod bins;
 mod frame;
+mod hits;
 mod members;
+mod settle;
 mod setup;
 mod sort;
 mod sweep;
@@ -29,21 +31,20 @@ mod work;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cover::Contacts;
-use super::intersect::{Contact, Meeting, Segment};
-use super::{Answer, Answers, LightEnd, Occlusion, Receiver, Tracer, Truth};
+use super::{Answers, LightEnd, Receiver, Tracer};
 use crate::scene::Geometry;
 use crate::simd::Level;
 use bins::Bins;
 use frame::Frame;
+use hits::Known;
 use members::Members;
-use sweep::{Chunk, Found, Known, Shared, State};
+use sweep::{Chunk, Found, Shared};
 use vertices::Vertices;
 pub use work::{Skips, Work};
 
 /// Receivers per cell, on average. Fewer make the grid outgrow the caches, more make small
 /// triangles test receivers in vain; 2 to 4 measured alike on a terrain of a million triangles.
-const PER_CELL: usize = 2;
+const PER_CELL: usize = 16;
 
 /// Triangles of one job of a thread.
 const CHUNK: u32 = 1 << 14;
@@ -137,33 +138,35 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Answers the receivers that some frame holds; returns the others.
+    /// Answers the receivers that some frame holds; returns those that are left to the rays.
     fn frames(&mut self, answers: &mut Answers) -> Vec<u32> {
         let axis = Frame::axis(self.light, self.receivers);
         let scale = 1.0 / self.space.size;
         let mut left: Option<Vec<u32>> = None;
+        let mut open = Vec::new();
         for frame in Frame::candidates(self.light, self.space.centre, scale, axis) {
             let members = match &left {
                 None => Members::All(self.receivers.len()),
                 Some(left) => Members::Some(left),
             };
             if let Some((frame, bins)) = self.sorted(&frame, members) {
-                self.run(&frame, &bins, members.len(), answers);
-                return Vec::new();
+                open.extend(self.run(&frame, &bins, members.len(), answers));
+                return open;
             }
             let held = |&k: &u32| frame.holds(self.receivers[k as usize].position);
             let all = (0..members.len()).map(|k| members.index(k) as u32);
             let (inside, mut outside): (Vec<u32>, Vec<u32>) = all.partition(held);
             match self.sorted(&frame, Members::Some(&inside)) {
-                Some((frame, bins)) => self.run(&frame, &bins, inside.len(), answers),
+                Some((frame, bins)) => open.extend(self.run(&frame, &bins, inside.len(), answers)),
                 None => outside.extend(inside),
             }
             left = Some(outside);
         }
-        left.unwrap_or_default()
+        open.extend(left.unwrap_or_default());
+        open
     }
 
-    /// What no frame holds (receivers at the light, absurd numbers) goes to the rays.
+    /// What no frame answers (receivers at the light, absurd numbers) goes to the rays.
     fn leftovers(&self, left: &[u32], answers: &mut Answers) {
         if left.is_empty() {
             return;
@@ -204,8 +207,14 @@ impl Job<'_> {
         fill(frame.survey(receivers, members, level)?)
     }
 
-    /// Answers the receivers of a frame.
-    fn run(&mut self, frame: &Frame, bins: &Bins, receivers_held: usize, answers: &mut Answers) {
+    /// Answers the receivers of a frame but for those that it returns.
+    fn run(
+        &mut self,
+        frame: &Frame,
+        bins: &Bins,
+        receivers_held: usize,
+        answers: &mut Answers,
+    ) -> Vec<u32> {
         let vertices = &Vertices::new(frame, self.geometry, self.options.level);
         let known = &Known::new(bins.index.len());
         let Self { geometry, receivers, light, .. } = *self;
@@ -214,94 +223,18 @@ impl Job<'_> {
         let shared =
             Shared { geometry, receivers, light, extent, frame, bins, vertices, known, skips };
         let found = self.sweep(shared);
-        self.work += found.work;
+        found.iter().for_each(|found| self.work += found.work);
         self.work.answered += receivers_held as u64 * geometry.triangles.len() as u64;
-        self.settle(bins, found, answers);
+        settle::settle(shared, &found, answers)
     }
 
     /// Runs all triangles, in chunks side by side.
-    fn sweep(&self, shared: Shared) -> Found {
+    fn sweep(&self, shared: Shared) -> Vec<Found> {
         let (count, level) = (self.geometry.triangles.len() as u32, self.options.level);
-        let chunks: Vec<Found> = (0..count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|k| {
-                let ids = k * CHUNK..((k + 1) * CHUNK).min(count);
-                level.run(Chunk { shared, ids, found: Found::default() })
-            })
-            .collect();
-        chunks.into_iter().fold(Found::default(), Found::joined)
-    }
-
-    /// Turns contacts into answers.
-    fn settle(&self, bins: &Bins, found: Found, answers: &mut Answers) {
-        for place in found.touching {
-            answers.at(bins.index[place as usize] as usize).touching += 1;
-        }
-        let mut slots = vec![0_u32; bins.index.len()];
-        let mut states: Vec<(u32, State)> = Vec::new();
-        for (place, contact) in &found.inside {
-            let slot = &mut slots[*place as usize];
-            if *slot == 0 {
-                states.push((bins.index[*place as usize], State::LIT));
-                *slot = states.len() as u32;
-            }
-            states[*slot as usize - 1].1.add(contact);
-        }
-        for (index, state) in &states {
-            answers.at(*index as usize).truth = self.shadowed(*index, state);
-        }
-        let mut marginal = found.marginal;
-        marginal.sort_unstable_by_key(|(place, contact)| (*place, contact.triangle));
-        for group in marginal.chunk_by(|a, b| a.0 == b.0) {
-            let place = group[0].0 as usize;
-            let state = (slots[place] as usize).checked_sub(1).map(|slot| &states[slot].1);
-            let index = bins.index[place];
-            answers.at(index as usize).truth = self.marginal(index, state, group);
-        }
-        for place in found.void {
-            let index = bins.index[place as usize];
-            *answers.at(index as usize) = Answer { truth: Truth::Ambiguous, touching: 0 };
-        }
-    }
-
-    fn segment(&self, index: u32) -> Segment {
-        let from = self.receivers[index as usize].position;
-        Segment::of_scene(from, self.light.of(from), self.space.extent)
-    }
-
-    fn shadowed(&self, index: u32, state: &State) -> Truth {
-        let length = self.segment(index).length();
-        Truth::Shadowed(Occlusion {
-            occluder: state.nearest.1,
-            gap: state.nearest.0 * length,
-            first: state.farthest.1,
-            first_gap: state.farthest.0 * length,
-        })
-    }
-
-    /// The verdict where an edge, a vertex or a plane is met beside what lies inside.
-    fn marginal(&self, index: u32, state: Option<&State>, group: &[(u32, Contact)]) -> Truth {
-        let segment = self.segment(index);
-        let corners = |id| self.geometry.corners(id);
-        let mut contacts = Contacts::default();
-        for id in state.iter().flat_map(|state| [state.nearest.1, state.farthest.1]) {
-            if let Meeting::Contact(contact) = segment.meet(id, &corners(id)) {
-                contacts.add(contact);
-            }
-        }
-        group.iter().for_each(|(_, contact)| contacts.add(*contact));
-        contacts.answer(&segment, corners).truth
-    }
-}
-
-impl Found {
-    /// Both together.
-    fn joined(mut self, mut other: Self) -> Self {
-        self.inside.append(&mut other.inside);
-        self.marginal.append(&mut other.marginal);
-        self.touching.append(&mut other.touching);
-        self.void.append(&mut other.void);
-        self.work += other.work;
-        self
+        let run = |k: u32| {
+            let ids = k * CHUNK..((k + 1) * CHUNK).min(count);
+            level.run(Chunk { shared, ids, found: Found::default() })
+        };
+        (0..count.div_ceil(CHUNK)).into_par_iter().map(run).collect()
     }
 }

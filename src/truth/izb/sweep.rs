@@ -2,14 +2,12 @@
 #![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-
-use rayon::prelude::*;
 
 use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, Block, LANES};
 use super::frame::Frame;
+use super::hits::{Hit, Hits, Known};
 use super::setup::{Batch, Plane};
 use super::vertices::{Item, Vertices};
 use super::work::{Skipped, Skips, Work};
@@ -32,46 +30,19 @@ pub(super) struct Shared<'a> {
     pub(super) skips: Skips,
 }
 
-/// Depth bounds of the occluders found so far, by sorted receiver: that of the nearest is at most
-/// the first, that of the farthest at least the second. Threads may overwrite a better bound by a
-/// weaker one; both hold, and no answer depends on them.
-#[derive(Debug)]
-pub(super) struct Known {
-    bounds: Vec<[AtomicU32; 2]>,
-}
-
-impl Known {
-    pub(super) fn new(len: usize) -> Self {
-        let lit = |_| [f32::INFINITY, f32::NEG_INFINITY].map(|x| AtomicU32::new(x.to_bits()));
-        let mut bounds = Vec::new();
-        let places = (0..len).into_par_iter().with_min_len(1 << 16);
-        places.map(lit).collect_into_vec(&mut bounds);
-        Self { bounds }
+impl Shared<'_> {
+    /// The segment of the receiver at a place.
+    pub(super) fn segment(&self, place: u32) -> Segment {
+        let from = self.receivers[self.bins.index[place as usize] as usize].position;
+        Segment::of_scene(from, self.light.of(from), self.extent)
     }
-
-    #[inline(always)]
-    fn get(&self, place: usize) -> [f32; 2] {
-        let [near, far] = &self.bounds[place];
-        [f32::from_bits(near.load(Relaxed)), f32::from_bits(far.load(Relaxed))]
-    }
-
-    fn tighten(&self, place: usize, depths: [f32; 2]) {
-        let [near, far] = self.get(place);
-        self.bounds[place][0].store(near.min(depths[1]).to_bits(), Relaxed);
-        self.bounds[place][1].store(far.max(depths[0]).to_bits(), Relaxed);
-    }
-}
-
-/// The inside contacts of one receiver nearest to it and to the light: position and triangle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct State {
-    pub(super) nearest: (f64, u32),
-    pub(super) farthest: (f64, u32),
 }
 
 /// What a chunk of triangles found, by sorted receiver.
 #[derive(Debug, Default)]
 pub(super) struct Found {
+    /// Certain hits, not yet put in order.
+    pub(super) hits: Hits,
     pub(super) inside: Vec<(u32, Contact)>,
     pub(super) marginal: Vec<(u32, Contact)>,
     pub(super) touching: Vec<u32>,
@@ -194,73 +165,44 @@ impl Chunk<'_> {
     /// A receiver that the triangle may shadow or touch.
     #[inline(never)]
     fn candidate(&mut self, id: u32, error: f32, (inside, nearer): (f32, f32), place: usize) {
-        let Shared { bins, known, frame, skips, .. } = self.shared;
         if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
+        let Shared { bins, known, frame, skips, .. } = self.shared;
         let receiver_depth = bins.blocks[place / LANES].depth[place % LANES];
         let depth = receiver_depth + nearer * error;
         let depths = [depth - 2.0 * error, depth + 2.0 * error];
-        let [near, far] = known.get(place);
-        let between = skips.between && depths[0] > near && depths[1] < far;
-        if !(between && depths[1] < frame.order_limit(receiver_depth)) {
-            self.inside(id, place, depths);
+        let mut hit = Hit { place: place as u32, triangle: id, depths };
+        if !skips.between {
+            return self.found.hits.push(hit, None);
         }
-    }
-
-    /// A contact inside the triangle, for certain.
-    fn inside(&mut self, id: u32, place: usize, depths: [f32; 2]) {
-        let segment = self.segment(place);
-        let meeting = segment.meet_inside(id, &self.shared.geometry.corners(id));
-        if matches!(&meeting, Meeting::Contact(contact) if contact.is_inside()) {
-            self.shared.known.tighten(place, depths);
+        let ordered = depths[1] < frame.order_limit(receiver_depth);
+        if ordered && known.surround(&hit) {
+            return;
         }
-        self.settle(place, meeting);
+        known.tighten(&hit);
+        if !ordered {
+            hit.depths = [f32::NEG_INFINITY, f32::INFINITY];
+        }
+        self.found.hits.push(hit, Some(known));
     }
 
     /// A candidate that f32 does not decide.
     #[cold]
     fn undecided(&mut self, id: u32, place: usize) {
         self.found.work.escalated += 1;
-        let segment = self.segment(place);
-        if segment.is_void() {
-            return self.found.void.push(place as u32);
-        }
-        let meeting = segment.meet(id, &self.shared.geometry.corners(id));
-        self.settle(place, meeting);
-    }
-
-    fn segment(&self, place: usize) -> Segment {
-        let Shared { receivers, light, extent, bins, .. } = self.shared;
-        let from = receivers[bins.index[place] as usize].position;
-        Segment::of_scene(from, light.of(from), extent)
-    }
-
-    fn settle(&mut self, place: usize, meeting: Meeting) {
         let place = place as u32;
-        match meeting {
+        let segment = self.shared.segment(place);
+        if segment.is_void() {
+            return self.found.void.push(place);
+        }
+        match segment.meet(id, &self.shared.geometry.corners(id)) {
             Meeting::Miss => {}
             Meeting::Touching => self.found.touching.push(place),
             Meeting::Contact(contact) if contact.is_inside() => {
                 self.found.inside.push((place, contact));
             }
             Meeting::Contact(contact) => self.found.marginal.push((place, contact)),
-        }
-    }
-}
-
-impl State {
-    pub(super) const LIT: Self =
-        Self { nearest: (f64::INFINITY, u32::MAX), farthest: (f64::NEG_INFINITY, u32::MAX) };
-
-    /// Keeps a contact that is nearer to an end; ties go to the lowest triangle id.
-    pub(super) fn add(&mut self, contact: &Contact) {
-        let Contact { t, triangle, .. } = *contact;
-        if t < self.nearest.0 || (t == self.nearest.0 && triangle < self.nearest.1) {
-            self.nearest = (t, triangle);
-        }
-        if t > self.farthest.0 || (t == self.farthest.0 && triangle < self.farthest.1) {
-            self.farthest = (t, triangle);
         }
     }
 }
