@@ -2,7 +2,6 @@
 #![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
 use super::bins::{Place, ceil};
-use super::tiny::Pixels;
 use crate::simd::lanes::{BATCH, Lanes};
 use glam::Vec4;
 
@@ -209,37 +208,6 @@ impl Edge3 {
             dx.wrapping_mul(step_x).wrapping_add(dy.wrapping_mul(step_y))
         };
         [rise(self.step[0]), rise(self.step[1]), rise(self.step[2])]
-    }
-}
-
-impl Edge3 {
-    /// The edges at a pixel.
-    #[inline(always)]
-    pub(super) fn values(&self, x: i32, y: i32) -> [i32; 3] {
-        let rise = self.rise(x, y);
-        [
-            self.at[0].wrapping_add(rise[0]),
-            self.at[1].wrapping_add(rise[1]),
-            self.at[2].wrapping_add(rise[2]),
-        ]
-    }
-
-    /// One bit for each pixel that is covered, beside the one where the edges have these values.
-    #[inline(always)]
-    pub(super) fn covered(&self, values: [i32; 3], pixels: &Pixels) -> u32 {
-        let mut outside = [0; BATCH];
-        for i in 0..3 {
-            let [step_x, step_y] = self.step[i];
-            for k in 0..BATCH {
-                let along = pixels.x[k].wrapping_mul(step_x).wrapping_add(values[i]);
-                outside[k] |= pixels.y[k].wrapping_mul(step_y).wrapping_add(along);
-            }
-        }
-        let mut bits = 0;
-        for k in 0..BATCH {
-            bits |= u32::from(outside[k] >= 0) << k;
-        }
-        bits
     }
 }
 

@@ -18,7 +18,6 @@ pub mod probe;
 mod test;
 mod tile;
 mod tiles;
-mod tiny;
 mod triangle;
 
 use crate::depth::DepthFormat;

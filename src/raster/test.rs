@@ -5,16 +5,40 @@ use crate::depth::{DepthFormat, UnormStore};
 use crate::device::Device;
 use crate::simd::lanes::BATCH;
 
-/// How a fragment's depth becomes the code that the depth test compares.
+/// How fragments' depths become the codes that the depth test compares.
+pub(super) trait Test: Copy {
+    /// Whether depths are clamped to [0,1] before they are kept.
+    fn clamps(&self) -> bool;
+
+    /// The codes: what `DepthFormat::encode_with` makes of each.
+    fn codes(&self, z: [f32; BATCH]) -> [u32; BATCH];
+
+    /// The depths that are kept.
+    #[inline(always)]
+    fn kept(&self, mut z: [f32; BATCH]) -> [f32; BATCH] {
+        if self.clamps() {
+            for k in 0..BATCH {
+                z[k] = clamp(z[k]);
+            }
+        }
+        z
+    }
+}
+
+/// Any format on any device.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthTest {
     format: DepthFormat,
     store: UnormStore,
     /// Subnormal depths become 0.
     flush: bool,
-    /// The code is the bit pattern.
-    is_plain: bool,
     /// Depths are clamped to [0,1] before they are kept.
+    clamp: bool,
+}
+
+/// A float format of 32 bits: the code is the bit pattern.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlainTest {
     clamp: bool,
 }
 
@@ -25,38 +49,14 @@ impl DepthTest {
             format,
             store: device.store,
             flush,
-            is_plain: format == DepthFormat::F32 && !flush,
             clamp: device.clamp_frag_z,
         }
     }
 
-    /// The depths that are kept.
-    #[inline(always)]
-    pub(super) fn kept(&self, mut z: [f32; BATCH]) -> [f32; BATCH] {
-        if self.clamp {
-            for k in 0..BATCH {
-                z[k] = clamp(z[k]);
-            }
-        }
-        z
-    }
-
-    /// The codes: what `DepthFormat::encode_with` makes of each.
-    #[allow(clippy::manual_clamp, reason = "`clamp` keeps NaN, which must become 0")]
-    #[inline(always)]
-    pub(super) fn codes(&self, mut z: [f32; BATCH]) -> [u32; BATCH] {
-        // NaN and what lies below 0 become 0; a sum with 0 has no sign.
-        for k in 0..BATCH {
-            z[k] = z[k].max(0.0).min(1.0) + 0.0;
-        }
-        if self.is_plain {
-            let mut codes = [0; BATCH];
-            for k in 0..BATCH {
-                codes[k] = z[k].to_bits();
-            }
-            return codes;
-        }
-        self.rounded(z)
+    /// The same test without a rounding, if it has none.
+    pub(super) fn plain(self) -> Option<PlainTest> {
+        let plain = self.format == DepthFormat::F32 && !self.flush;
+        plain.then_some(PlainTest { clamp: self.clamp })
     }
 
     /// The codes of depths in [0,1].
@@ -69,6 +69,45 @@ impl DepthTest {
             None => each(z, |z| self.format.encode(z)),
         }
     }
+}
+
+impl Test for DepthTest {
+    #[inline(always)]
+    fn clamps(&self) -> bool {
+        self.clamp
+    }
+
+    #[inline(always)]
+    fn codes(&self, z: [f32; BATCH]) -> [u32; BATCH] {
+        self.rounded(saturated(z))
+    }
+}
+
+impl Test for PlainTest {
+    #[inline(always)]
+    fn clamps(&self) -> bool {
+        self.clamp
+    }
+
+    #[inline(always)]
+    fn codes(&self, z: [f32; BATCH]) -> [u32; BATCH] {
+        let z = saturated(z);
+        let mut codes = [0; BATCH];
+        for k in 0..BATCH {
+            codes[k] = z[k].to_bits();
+        }
+        codes
+    }
+}
+
+/// Depths within [0,1] and without a sign: NaN and what lies below 0 become 0.
+#[allow(clippy::manual_clamp, reason = "`clamp` keeps NaN, which must become 0")]
+#[inline(always)]
+fn saturated(mut z: [f32; BATCH]) -> [f32; BATCH] {
+    for k in 0..BATCH {
+        z[k] = z[k].max(0.0).min(1.0) + 0.0;
+    }
+    z
 }
 
 #[inline(always)]
@@ -137,6 +176,9 @@ mod tests {
                         depths.map(one),
                         "{profile} {format} {depths:?}"
                     );
+                    if let Some(plain) = test.plain() {
+                        assert_eq!(plain.codes(depths), depths.map(one), "{profile} {depths:?}");
+                    }
                     let kept = depths.map(|z| if test.clamp { z.clamp(0.0, 1.0) } else { z });
                     assert_eq!(test.kept(depths).map(f32::to_bits), kept.map(f32::to_bits));
                 }

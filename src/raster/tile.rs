@@ -3,8 +3,7 @@
 
 use super::NO_TRIANGLE;
 use super::plane::{Plane, Row};
-use super::test::DepthTest;
-use super::tiny::Pixels;
+use super::test::Test;
 use crate::simd::lanes::BATCH;
 
 /// Pixels along each side of a tile.
@@ -13,18 +12,19 @@ pub(super) const TILE: u32 = 64;
 /// Rows are longer than the tile, so that eight pixels may begin at its last one.
 const STRIDE: usize = TILE as usize + BATCH;
 
-/// The pixels of a tile, 12 bytes each.
+/// The pixels of a tile, 12 bytes each. (Making keys anew of the depths would save a store, but the
+/// next fragment waits longer: measured a third slower.)
 #[derive(Clone, Debug)]
-pub(super) struct Tile {
+pub(super) struct Tile<T> {
     keys: Vec<u32>,
     /// Bit patterns.
     depth: Vec<u32>,
     triangle: Vec<u32>,
-    test: DepthTest,
+    test: T,
 }
 
-impl Tile {
-    pub(super) fn new(test: DepthTest) -> Self {
+impl<T: Test> Tile<T> {
+    pub(super) fn new(test: T) -> Self {
         let n = STRIDE * TILE as usize;
         Self { keys: vec![0; n], depth: vec![0; n], triangle: vec![0; n], test }
     }
@@ -47,7 +47,7 @@ impl Tile {
         z: [f32; BATCH],
         id: u32,
     ) {
-        let at = Self::place([x, y]);
+        let at = place([x, y]);
         let (keys, depth, triangle) =
             (lanes(&mut self.keys, at), lanes(&mut self.depth, at), lanes(&mut self.triangle, at));
         let z = self.test.kept(z);
@@ -67,36 +67,6 @@ impl Tile {
         *triangle = pick(&wins, &[id; BATCH], triangle);
     }
 
-    /// Where a pixel of the tile lies.
-    #[inline(always)]
-    pub(super) fn place([x, y]: [u32; 2]) -> usize {
-        y as usize * STRIDE + x as usize
-    }
-
-    /// Tests the `covered` ones of eight pixels beside the one at `corner`, and keeps those fragments
-    /// that are nearer than what is there.
-    #[inline(always)]
-    pub(super) fn draw_each(
-        &mut self,
-        corner: usize,
-        pixels: &Pixels,
-        mut covered: u32,
-        z: [f32; BATCH],
-        id: u32,
-    ) {
-        let z = self.test.kept(z);
-        let codes = self.test.codes(z);
-        while covered != 0 {
-            let k = (covered.trailing_zeros() as usize) % BATCH;
-            covered &= covered - 1;
-            let at = corner + pixels.y[k] as usize * STRIDE + pixels.x[k] as usize;
-            if codes[k] < self.keys[at] {
-                (self.keys[at], self.depth[at]) = (codes[k], z[k].to_bits());
-                self.triangle[at] = id;
-            }
-        }
-    }
-
     /// Copies a row.
     #[inline(always)]
     pub(super) fn copy_row(&self, y: usize, depth: &mut [f32], triangle: &mut [u32]) {
@@ -106,6 +76,12 @@ impl Tile {
             *depth = f32::from_bits(bits);
         }
     }
+}
+
+/// Where a pixel of a tile lies.
+#[inline(always)]
+fn place([x, y]: [u32; 2]) -> usize {
+    y as usize * STRIDE + x as usize
 }
 
 #[inline(always)]
@@ -135,14 +111,24 @@ pub(super) trait Surface: Copy {
 pub(super) struct Exact(pub(super) [f64; 3]);
 
 impl Exact {
-    /// The depths of eight pixels beside one: what [`Surface::along`] gives each.
+    /// What eight pixels from `px` on add to the depth of their row.
     #[inline(always)]
-    pub(super) fn scattered(&self, [px, py]: [i32; 2], pixels: &Pixels) -> [f32; BATCH] {
-        let [a, b, c] = self.0;
+    pub(super) fn across(&self, px: i32) -> [f64; BATCH] {
+        let first = f64::from(px);
+        let mut across = [0.0; BATCH];
+        for k in 0..BATCH {
+            across[k] = self.0[0] * (first + k as f64);
+        }
+        across
+    }
+
+    /// The depths of those pixels in a row: what [`Surface::along`] gives each.
+    #[inline(always)]
+    pub(super) fn depths(&self, across: &[f64; BATCH], py: i32) -> [f32; BATCH] {
+        let base = self.0[1] * f64::from(py) + self.0[2];
         let mut depths = [0.0; BATCH];
         for k in 0..BATCH {
-            let base = b * f64::from(py.wrapping_add(pixels.y[k])) + c;
-            depths[k] = (a * f64::from(px.wrapping_add(pixels.x[k])) + base) as f32;
+            depths[k] = (across[k] + base) as f32;
         }
         depths
     }

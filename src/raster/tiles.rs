@@ -7,9 +7,8 @@
 use super::batch::{self, Batch, FINEST};
 use super::bins::{Bins, Place, Scene, is_clipped, places};
 use super::plane::Plane;
-use super::test::DepthTest;
+use super::test::{DepthTest, Test};
 use super::tile::{Exact, Surface, TILE, Tile};
-use super::tiny;
 use super::{Pass, Raster, draw_each};
 use crate::device::{Device, PlaneSetup};
 use crate::simd::lanes::BATCH;
@@ -106,9 +105,21 @@ impl Kernel for Band<'_> {
     #[inline(always)]
     fn run(self, _: bool) {
         let Scene { device, pass, .. } = self.scene;
-        let width = pass.size[0] as usize;
+        let test = DepthTest::new(device, pass.depth_buffer);
+        match test.plain() {
+            Some(plain) => self.paint(plain),
+            None => self.paint(test),
+        }
+    }
+}
+
+impl Band<'_> {
+    /// Draws the tiles one after another.
+    #[inline(always)]
+    fn paint<T: Test>(self, test: T) {
+        let width = self.scene.pass.size[0] as usize;
         let [columns, _] = self.scene.tiles();
-        let tile = Tile::new(DepthTest::new(device, pass.depth_buffer));
+        let tile = Tile::new(test);
         let mut brush = Brush {
             scene: self.scene,
             places: self.places,
@@ -135,18 +146,28 @@ impl Kernel for Band<'_> {
     }
 }
 
+/// First pixel and end along x and along y.
+type Window = [[i32; 2]; 2];
+
+/// Whether a window has some columns, and no more than are drawn at once.
+#[inline(always)]
+fn is_narrow([[left, right], _]: Window) -> bool {
+    let width = right.wrapping_sub(left);
+    (width > 0) & (width <= BATCH as i32)
+}
+
 /// Draws into one tile.
-struct Brush<'a> {
+struct Brush<'a, T> {
     scene: Scene<'a>,
     places: &'a [Place],
     drawn: &'a [AtomicBool],
     batch: Batch,
-    tile: Tile,
+    tile: Tile<T>,
     /// The tile's first pixel.
     origin: [u32; 2],
 }
 
-impl Brush<'_> {
+impl<T: Test> Brush<'_, T> {
     /// Draws triangles in order: small ones eight at a time, those before a large one first.
     #[inline(always)]
     fn draw(&mut self, ids: &[u32]) {
@@ -195,8 +216,8 @@ impl Brush<'_> {
                 // An offset of 0 is added as well: it makes −0 to 0.
                 let plane = Exact([a + 0.0, b + 0.0, c + 0.0]);
                 let window = self.window(&edges);
-                if tiny::fits(window) {
-                    self.tiny(id, &edges, &plane, window);
+                if is_narrow(window) {
+                    self.narrow(id, &edges, &plane, window);
                 } else {
                     self.small(id, &edges, &plane);
                 }
@@ -214,35 +235,37 @@ impl Brush<'_> {
 
     /// First pixel and end along x and along y of what the tile holds of a triangle's box.
     #[inline(always)]
-    fn window(&self, edges: &batch::Edge3) -> [[i32; 2]; 2] {
+    fn window(&self, edges: &batch::Edge3) -> Window {
         let [[left, right], [bottom, top]] = edges.samples;
         let (x0, y0) = (self.origin[0] as i32, self.origin[1] as i32);
         let (end_x, end_y) = (x0.wrapping_add(TILE as i32), y0.wrapping_add(TILE as i32));
         [[left.max(x0), right.min(end_x)], [bottom.max(y0), top.min(end_y)]]
     }
 
-    /// Draws a triangle of few pixels: eight of its box at a time.
+    /// Draws a triangle of which the tile holds few columns: all of a row at a time.
     #[inline(always)]
-    fn tiny(&mut self, id: u32, edges: &batch::Edge3, plane: &Exact, window: tiny::Window) {
-        let [[left, right], [bottom, _]] = window;
-        let (x, y) =
-            (left.wrapping_sub(self.origin[0] as i32), bottom.wrapping_sub(self.origin[1] as i32));
-        let corner = Tile::place([x as u32, y as u32]);
-        let width = right.wrapping_sub(left) as usize;
-        let (count, base) = (tiny::count(window), edges.values(left, bottom));
-        let (mut first, mut drawn) = (0, false);
-        while first < count {
-            let pixels = tiny::pixels(width, first);
-            let mut covered = edges.covered(base, &pixels);
-            covered &= u32::MAX >> 32_usize.saturating_sub(count - first);
-            if covered != 0 {
-                drawn = true;
-                let z = plane.scattered([left, bottom], &pixels);
-                self.tile.draw_each(corner, &pixels, covered, z, id);
+    fn narrow(&mut self, id: u32, edges: &batch::Edge3, plane: &Exact, window: Window) {
+        let [[left, _], [bottom, top]] = window;
+        let (x0, y0) = (self.origin[0] as i32, self.origin[1] as i32);
+        let (ramps, mut rise) = (edges.ramps(), edges.rise(left, bottom));
+        let across = plane.across(left);
+        let mut missed = [-1; BATCH];
+        for y in bottom..top {
+            let outside = batch::outside(&ramps, rise);
+            for k in 0..BATCH {
+                missed[k] &= outside[k];
             }
-            first += BATCH;
+            let place = [left.wrapping_sub(x0) as u32, y.wrapping_sub(y0) as u32];
+            self.tile.draw(place, outside, plane.depths(&across, y), id);
+            for i in 0..3 {
+                rise[i] = rise[i].wrapping_add(edges.step[i][1]);
+            }
         }
-        if drawn {
+        let mut all = -1;
+        for k in 0..BATCH {
+            all &= missed[k];
+        }
+        if all >= 0 {
             self.drawn[id as usize].store(true, Relaxed);
         }
     }
