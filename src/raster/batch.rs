@@ -211,6 +211,16 @@ impl Edge3 {
     }
 }
 
+/// Moves edges at eight pixels up by a row.
+#[inline(always)]
+pub(super) fn climb(edges: &mut [Ints; 3], step: &[[i32; 2]; 3]) {
+    for i in 0..3 {
+        for k in 0..BATCH {
+            edges[i][k] = edges[i][k].wrapping_add(step[i][1]);
+        }
+    }
+}
+
 /// Negative where a pixel of the eight lies outside of some edge.
 #[inline(always)]
 pub(super) fn outside([a, b, c]: &[Ints; 3], rise: [i32; 3]) -> Ints {

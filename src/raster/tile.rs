@@ -16,25 +16,35 @@ const STRIDE: usize = TILE as usize + BATCH;
 /// next fragment waits longer: measured a third slower.)
 #[derive(Clone, Debug)]
 pub(super) struct Tile<T> {
-    keys: Vec<u32>,
-    /// Bit patterns.
-    depth: Vec<u32>,
-    triangle: Vec<u32>,
+    rows: Vec<Pixels>,
     test: T,
+}
+
+/// A row of them.
+#[derive(Clone, Copy, Debug)]
+struct Pixels {
+    keys: [u32; STRIDE],
+    /// Bit patterns.
+    depth: [u32; STRIDE],
+    triangle: [u32; STRIDE],
 }
 
 impl<T: Test> Tile<T> {
     pub(super) fn new(test: T) -> Self {
-        let n = STRIDE * TILE as usize;
-        Self { keys: vec![0; n], depth: vec![0; n], triangle: vec![0; n], test }
+        let zero = [0; STRIDE];
+        let row = Pixels { keys: zero, depth: zero, triangle: zero };
+        Self { rows: vec![row; TILE as usize], test }
     }
 
     /// Depth 1 and no triangle everywhere.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
-        self.keys.fill(self.test.codes([1.0; BATCH])[0]);
-        self.depth.fill(1.0f32.to_bits());
-        self.triangle.fill(NO_TRIANGLE);
+        let key = self.test.codes([1.0; BATCH])[0];
+        for row in &mut self.rows {
+            row.keys.fill(key);
+            row.depth.fill(1.0f32.to_bits());
+            row.triangle.fill(NO_TRIANGLE);
+        }
     }
 
     /// Tests eight fragments of a triangle at (x, y) of the tile, and keeps those that are not
@@ -47,9 +57,9 @@ impl<T: Test> Tile<T> {
         z: [f32; BATCH],
         id: u32,
     ) {
-        let at = place([x, y]);
+        let row = &mut self.rows[y as usize];
         let (keys, depth, triangle) =
-            (lanes(&mut self.keys, at), lanes(&mut self.depth, at), lanes(&mut self.triangle, at));
+            (lanes(&mut row.keys, x), lanes(&mut row.depth, x), lanes(&mut row.triangle, x));
         let z = self.test.kept(z);
         let codes = self.test.codes(z);
         // All bits where the fragment wins.
@@ -70,18 +80,12 @@ impl<T: Test> Tile<T> {
     /// Copies a row.
     #[inline(always)]
     pub(super) fn copy_row(&self, y: usize, depth: &mut [f32], triangle: &mut [u32]) {
-        let first = y * STRIDE;
-        triangle.copy_from_slice(&self.triangle[first..first + triangle.len()]);
-        for (depth, &bits) in depth.iter_mut().zip(&self.depth[first..]) {
+        let row = &self.rows[y];
+        triangle.copy_from_slice(&row.triangle[..triangle.len()]);
+        for (depth, &bits) in depth.iter_mut().zip(&row.depth) {
             *depth = f32::from_bits(bits);
         }
     }
-}
-
-/// Where a pixel of a tile lies.
-#[inline(always)]
-fn place([x, y]: [u32; 2]) -> usize {
-    y as usize * STRIDE + x as usize
 }
 
 #[inline(always)]
@@ -94,8 +98,8 @@ fn pick(wins: &[u32; BATCH], new: &[u32; BATCH], old: &[u32; BATCH]) -> [u32; BA
 }
 
 #[inline(always)]
-fn lanes<T>(values: &mut [T], at: usize) -> &mut [T; BATCH] {
-    values[at..at + BATCH].first_chunk_mut().expect("as long as that")
+fn lanes(values: &mut [u32; STRIDE], at: u32) -> &mut [u32; BATCH] {
+    values[at as usize..at as usize + BATCH].first_chunk_mut().expect("as long as that")
 }
 
 /// A depth plane of which eight pixels are evaluated at a time, as [`super::Row::at`] does one.

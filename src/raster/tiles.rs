@@ -247,19 +247,22 @@ impl<T: Test> Brush<'_, T> {
     fn narrow(&mut self, id: u32, edges: &batch::Edge3, plane: &Exact, window: Window) {
         let [[left, _], [bottom, top]] = window;
         let (x0, y0) = (self.origin[0] as i32, self.origin[1] as i32);
-        let (ramps, mut rise) = (edges.ramps(), edges.rise(left, bottom));
+        let (mut ramps, rise) = (edges.ramps(), edges.rise(left, bottom));
+        for i in 0..3 {
+            for k in 0..BATCH {
+                ramps[i][k] = ramps[i][k].wrapping_add(rise[i]);
+            }
+        }
         let across = plane.across(left);
         let mut missed = [-1; BATCH];
         for y in bottom..top {
-            let outside = batch::outside(&ramps, rise);
+            let outside = batch::outside(&ramps, [0; 3]);
             for k in 0..BATCH {
                 missed[k] &= outside[k];
             }
             let place = [left.wrapping_sub(x0) as u32, y.wrapping_sub(y0) as u32];
             self.tile.draw(place, outside, plane.depths(&across, y), id);
-            for i in 0..3 {
-                rise[i] = rise[i].wrapping_add(edges.step[i][1]);
-            }
+            batch::climb(&mut ramps, &edges.step);
         }
         let mut all = -1;
         for k in 0..BATCH {
