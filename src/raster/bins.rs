@@ -68,7 +68,7 @@ impl Scene<'_> {
 
     /// Tiles along x and y.
     pub(super) fn tiles(&self) -> [usize; 2] {
-        self.pass.size.map(|n| n.div_ceil(TILE) as usize)
+        [0, 1].map(|axis| self.pass.size[axis].div_ceil(TILE[axis]) as usize)
     }
 }
 
@@ -177,11 +177,12 @@ impl Sort<'_> {
             Cull::Back => area(corners) <= 0,
             Cull::Front => area(corners) >= 0,
         };
-        let tile = |pixel: i32| (pixel as u32 / TILE) as u16;
+        let column = |pixel: i32| (pixel as u32 / TILE[0]) as u16;
+        let row = |pixel: i32| (pixel as u32 / TILE[1]) as u16;
         if (left >= right) | (bottom >= top) | culled {
             return None;
         }
-        Some([[tile(left), tile(right - 1)], [tile(bottom), tile(top - 1)]])
+        Some([[column(left), column(right - 1)], [row(bottom), row(top - 1)]])
     }
 
     #[inline(never)]
@@ -196,7 +197,8 @@ impl Sort<'_> {
             if first >= end {
                 return None;
             }
-            tiles[axis] = [first, end - 1].map(|pixel| (pixel / i64::from(TILE)) as u16);
+            let tile = |pixel: i64| (pixel / i64::from(TILE[axis])) as u16;
+            tiles[axis] = [first, end - 1].map(tile);
         }
         Some(tiles)
     }

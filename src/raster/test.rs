@@ -45,12 +45,7 @@ pub(super) struct PlainTest {
 impl DepthTest {
     pub(super) fn new(device: &Device, format: DepthFormat) -> Self {
         let (format, flush) = (device.depth_format(format), device.flush_denormals);
-        Self {
-            format,
-            store: device.store,
-            flush,
-            clamp: device.clamp_frag_z,
-        }
+        Self { format, store: device.store, flush, clamp: device.clamp_frag_z }
     }
 
     /// The same test without a rounding, if it has none.

@@ -6,11 +6,11 @@ use super::plane::{Plane, Row};
 use super::test::Test;
 use crate::simd::lanes::BATCH;
 
-/// Pixels along each side of a tile.
-pub(super) const TILE: u32 = 64;
+/// Pixels of a tile along x and y. Wide tiles are copied to fewer pages, and low ones stay near.
+pub(super) const TILE: [u32; 2] = [128, 32];
 
 /// Rows are longer than the tile, so that eight pixels may begin at its last one.
-const STRIDE: usize = TILE as usize + BATCH;
+const STRIDE: usize = TILE[0] as usize + BATCH;
 
 /// The pixels of a tile, 12 bytes each. (Making keys anew of the depths would save a store, but the
 /// next fragment waits longer: measured a third slower.)
@@ -33,7 +33,7 @@ impl<T: Test> Tile<T> {
     pub(super) fn new(test: T) -> Self {
         let zero = [0; STRIDE];
         let row = Pixels { keys: zero, depth: zero, triangle: zero };
-        Self { rows: vec![row; TILE as usize], test }
+        Self { rows: vec![row; TILE[1] as usize], test }
     }
 
     /// Depth 1 and no triangle everywhere.

@@ -77,7 +77,7 @@ pub fn draw_into(
         // Zeroed pages are first touched by the thread that draws them.
         (raster.depth, raster.triangle) = (vec![0.0; texels], vec![0; texels]);
     }
-    let band = (width * TILE).max(1) as usize;
+    let band = (width * TILE[1]).max(1) as usize;
     let depths = raster.depth.par_chunks_mut(band);
     let bands = depths.zip(raster.triangle.par_chunks_mut(band)).enumerate();
     bands.for_each(|(row, (depth, triangle))| {
@@ -126,18 +126,18 @@ impl Band<'_> {
             drawn: self.drawn,
             batch: Batch::EMPTY,
             tile,
-            origin: [0, self.row as u32 * TILE],
+            origin: [0, self.row as u32 * TILE[1]],
         };
         for column in 0..columns {
-            brush.origin[0] = column as u32 * TILE;
+            brush.origin[0] = column as u32 * TILE[0];
             brush.tile.clear();
             let number = self.row * columns + column;
             // Loops, not closures: those would not be compiled for the level.
             for bins in self.bins {
                 brush.draw(bins.tile(number));
             }
-            let left = column * TILE as usize;
-            let right = (left + TILE as usize).min(width);
+            let left = column * TILE[0] as usize;
+            let right = (left + TILE[0] as usize).min(width);
             let rows = self.depth.chunks_mut(width).zip(self.triangle.chunks_mut(width));
             for (y, (depth, triangle)) in rows.enumerate() {
                 brush.tile.copy_row(y, &mut depth[left..right], &mut triangle[left..right]);
@@ -238,7 +238,7 @@ impl<T: Test> Brush<'_, T> {
     fn window(&self, edges: &batch::Edge3) -> Window {
         let [[left, right], [bottom, top]] = edges.samples;
         let (x0, y0) = (self.origin[0] as i32, self.origin[1] as i32);
-        let (end_x, end_y) = (x0.wrapping_add(TILE as i32), y0.wrapping_add(TILE as i32));
+        let (end_x, end_y) = (x0.wrapping_add(TILE[0] as i32), y0.wrapping_add(TILE[1] as i32));
         [[left.max(x0), right.min(end_x)], [bottom.max(y0), top.min(end_y)]]
     }
 
@@ -319,7 +319,7 @@ impl<T: Test> Brush<'_, T> {
         let Some(outline) = setup.projected.outline(device, pass.cull) else { return };
         let window = [0, 1].map(|k| {
             let first = self.origin[k];
-            [first, (first + TILE).min(pass.size[k])]
+            [first, (first + TILE[k]).min(pass.size[k])]
         });
         for y in outline.rows(&window) {
             let row = plane.row(y as f32);
