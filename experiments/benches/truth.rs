@@ -1,6 +1,6 @@
 //! How fast is the truth: rays, raster, and the public tracers on the same scene?
 //!
-//! `cargo bench --bench truth [-- terrain|still-life|sheets|fence|curve]`. Times are medians over
+//! `cargo bench --bench truth [--features peers] [-- terrain|still-life|sheets|fence|curve]`. Times are medians over
 //! rounds in which all ways take turns: processor time on one thread; of two threads that of the
 //! busier one, which is the wall time of a machine that does nothing else. `GNOMON_DUMP=DIR` writes
 //! the scenes and rays for `embree.py`; `GNOMON_CSV=FILE` keeps the curve.
@@ -28,6 +28,9 @@ use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use timing::{Ways, busiest_ms, cpu_ms, threads};
 
+#[cfg(feature = "peers")]
+use parry3d::{math::Vector, query::RayCast, shape::TriMesh};
+
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     for (name, scene, eye, sun) in [terrain(), still_life(), sheets(), fence()] {
@@ -49,6 +52,8 @@ fn main() {
         ];
         let peer = Obvhs::new(&scene);
         println!("  tree of obvhs {:.0} ms", peer.built);
+        #[cfg(feature = "peers")]
+        let parry = Parry::new(&scene);
         let mut rays = Vec::new();
         for (kind, light) in lights {
             let segments = lifted(&scene, &receivers, light);
@@ -58,6 +63,8 @@ fn main() {
                     scene: &scene,
                     tracer: &tracer,
                     peer: &peer,
+                    #[cfg(feature = "peers")]
+                    parry: &parry,
                     receivers: &receivers,
                     light,
                     segments: &segments,
@@ -79,6 +86,8 @@ struct Job<'a> {
     scene: &'a Geometry,
     tracer: &'a Tracer,
     peer: &'a Obvhs,
+    #[cfg(feature = "peers")]
+    parry: &'a Parry,
     receivers: &'a [Receiver],
     light: LightEnd,
     segments: &'a [(DVec3, DVec3)],
@@ -115,6 +124,8 @@ fn one_light(kind: &str, job: &Job) {
             let all = || truths_with(job.scene, job.receivers, job.light, bare);
             ways.add("raster, one thread, no skips", cpu_ms(all));
             ways.add("obvhs cwbvh f32, trace only", cpu_ms(|| job.peer.shadowed(job.segments)));
+            #[cfg(feature = "peers")]
+            ways.add("parry3d f32, trace only", cpu_ms(|| job.parry.shadowed(job.segments)));
             let rays = || job.tracer.truths(job.receivers, job.light);
             ways.add("exact rays, one thread, trace", cpu_ms(rays));
         });
@@ -158,13 +169,16 @@ fn spread(scene: &Geometry, count: usize) -> Vec<Receiver> {
     (0..count).map(triangle).map(&mut receiver).collect()
 }
 
-/// First hits of a 1920 x 1080 view, on the surface.
+/// First hits of a 1920 x 1080 view, on the surface, by squares of 4 x 4 pixels: rays next to each other
+/// suit tracers, most of all those that take sixteen at a time.
 fn seen_from(tracer: &Tracer, scene: &Geometry, eye: DVec3) -> Vec<Receiver> {
     let forward = (DVec3::new(0.0, 0.5, 0.0) - eye).normalize();
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
     let pixel = |k: u32| {
-        let (x, y) = (f64::from(k % 1920) - 959.5, f64::from(k / 1920) - 539.5);
+        let (square, pixel) = (k / 16, k % 16);
+        let (x, y) = (square % 480 * 4 + pixel % 4, square / 480 * 4 + pixel / 4);
+        let (x, y) = (f64::from(x) - 959.5, f64::from(y) - 539.5);
         let far = eye + (forward + (right * x + up * y) / 1100.0) * 60.0;
         match tracer.first_hit(eye, far, Faces::Both, None) {
             FirstHit::Hit { triangle, t, .. } => Some(Receiver {
@@ -189,7 +203,7 @@ fn on_plane(scene: &Geometry, triangle: u32, p: DVec3) -> DVec3 {
 type Scene = (&'static str, Geometry, DVec3, DVec3);
 
 fn terrain() -> Scene {
-    ("terrain", scenes::terrain(640), DVec3::new(0.5, 4.0, 9.5), scenes::SUN)
+    ("terrain", scenes::terrain(640), DVec3::new(0.5, 6.0, 8.5), scenes::SUN)
 }
 
 fn still_life() -> Scene {
@@ -232,6 +246,31 @@ impl Obvhs {
         let blocked = |(from, to): &&(DVec3, DVec3)| {
             let ray = Ray::new(from.as_vec3a(), (to - from).as_vec3a(), 0.0, 1.0);
             !self.bvh.ray_traverse_miss(ray, |ray, k| self.triangles[k].intersect(ray))
+        };
+        rays.iter().filter(blocked).count()
+    }
+}
+
+/// A Rust tracer that many games use: `parry3d`, f32, first hit (it has no any-hit call).
+#[cfg(feature = "peers")]
+struct Parry(TriMesh);
+
+#[cfg(feature = "peers")]
+impl Parry {
+    fn new(scene: &Geometry) -> Self {
+        let start = Instant::now();
+        let point = |p: &DVec3| Vector::new(p.x as f32, p.y as f32, p.z as f32);
+        let points = scene.positions.iter().map(point).collect();
+        let mesh = TriMesh::new(points, scene.triangles.clone()).expect("a mesh");
+        println!("  tree of parry3d {:.0} ms", start.elapsed().as_secs_f64() * 1e3);
+        Self(mesh)
+    }
+
+    fn shadowed(&self, rays: &[(DVec3, DVec3)]) -> usize {
+        let vector = |p: DVec3| Vector::new(p.x as f32, p.y as f32, p.z as f32);
+        let blocked = |(from, to): &&(DVec3, DVec3)| {
+            let ray = parry3d::query::Ray::new(vector(*from), vector(*to - *from));
+            self.0.cast_local_ray(&ray, 1.0, true).is_some()
         };
         rays.iter().filter(blocked).count()
     }

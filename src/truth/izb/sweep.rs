@@ -1,4 +1,4 @@
-//! The sweep: every triangle over the receivers of its cells, sixteen at a time.
+//! The sweep: every triangle over the receivers near it, sixteen at a time.
 #![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
 use std::ops::Range;
@@ -73,10 +73,10 @@ impl Kernel for Chunk<'_> {
     #[inline(always)]
     fn run(mut self, _has_fma: bool) -> Found {
         let Shared { geometry, vertices, frame, .. } = self.shared;
+        self.found.work.triangles = self.ids.len() as u64;
         let (mut batch, mut runs) = (Batch::EMPTY, Vec::new());
         for id in self.ids.clone() {
             let corners = geometry.triangles[id as usize];
-            self.found.work.triangles += 1;
             let Some(item) = vertices.item(corners, frame.cells) else {
                 self.found.work.outside += 1;
                 continue;

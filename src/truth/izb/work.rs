@@ -5,9 +5,9 @@ use std::ops::AddAssign;
 /// Which work is left out that no answer depends on. [`Skips::NONE`] is the arbiter of the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skips {
-    /// Triangles whose cells hold no receiver: there is nobody to shadow.
+    /// Triangles with no receiver in their rows and columns: there is nobody to shadow.
     pub empty: bool,
-    /// Triangles farther from the light than every receiver of their cells: depth over a triangle
+    /// Triangles farther from the light than every receiver near them: depth over a triangle
     /// is largest at a corner, so none of its points lies between a receiver and the light.
     pub behind: bool,
     /// Hits that lie, by more than their error bounds, between the occluders already known to be
@@ -18,7 +18,7 @@ pub struct Skips {
 impl Skips {
     /// Everything that can be left out is.
     pub const ALL: Self = Self { empty: true, behind: true, between: true };
-    /// Every triangle is run over the receivers of its cells, every hit goes to the exact tests.
+    /// Every triangle is run over the receivers near it, every hit goes to the exact tests.
     pub const NONE: Self = Self { empty: false, behind: false, between: false };
 
     /// All of them, or none.
@@ -38,11 +38,11 @@ pub struct Work {
     pub triangles: u64,
     /// Triangles that project beside the grid of the receivers: they share no cell with any.
     pub outside: u64,
-    /// Triangles whose cells hold no receiver.
+    /// Triangles with no receiver in their rows and columns.
     pub empty: u64,
-    /// Triangles farther from the light than every receiver of their cells.
+    /// Triangles farther from the light than every receiver near them.
     pub behind: u64,
-    /// Triangles run over the receivers of their cells.
+    /// Triangles run over the receivers near them.
     pub swept: u64,
     /// Pairs of triangle and receiver that were evaluated.
     pub evaluated: u64,
