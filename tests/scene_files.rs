@@ -124,6 +124,71 @@ fn an_obj_scene_is_read_without_its_materials() {
     assert_eq!(scene.parts[0].1.triangles.len(), 2);
 }
 
+/// A square of one face, with an element and properties that nobody needs.
+const PLY: &str = "ply\nformat ascii 1.0\ncomment a plane\nelement vertex 4\nproperty float x\n\
+    property float y\nproperty double z\nproperty uchar red\nelement edge 1\n\
+    property int vertex1\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+    -1 0 1 255\n1 0 1 255\n1 0 -1 255\n-1 0 -1 255\n7\n4 0 1 2 3\n";
+
+#[test]
+fn a_ply_scene_is_read_as_text_and_binary() {
+    let folder = Folder::new();
+    let text = folder.load("plane.ply", PLY).expect("a sound PLY");
+    let obj = "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n";
+    let expected = folder.load("plane.obj", obj).expect("a sound OBJ");
+    let mesh = |scene: &LoadedScene| scene.parts[0].1.clone();
+    assert_eq!(mesh(&text).positions, mesh(&expected).positions);
+    assert_eq!(mesh(&text).triangles, mesh(&expected).triangles);
+    for (format, little) in [("binary_little_endian", true), ("binary_big_endian", false)] {
+        let (header, _) = PLY.split_once("end_header\n").expect("a header");
+        let mut bytes = header.replace("ascii", format).into_bytes();
+        bytes.extend(b"end_header\n");
+        let mut put = |b: &[u8]| match little {
+            true => bytes.extend(b),
+            false => bytes.extend(b.iter().rev()),
+        };
+        for [x, z] in [[-1.0f32, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]] {
+            put(&x.to_le_bytes());
+            put(&0.0f32.to_le_bytes());
+            put(&f64::from(z).to_le_bytes());
+            put(&[255]);
+        }
+        put(&7i32.to_le_bytes());
+        put(&[4]);
+        (0..4i32).for_each(|i| put(&i.to_le_bytes()));
+        let binary = folder.load(&format!("{format}.ply"), bytes).expect(format);
+        assert_eq!(mesh(&binary), mesh(&text), "{format}");
+    }
+}
+
+#[test]
+fn ply_traps_are_named() {
+    let folder = Folder::new();
+    let edited = |from: &str, to: &str| PLY.replacen(from, to, 1);
+    for (text, word) in [
+        (edited("-1 0 1 255", "nan 0 1 255"), "PLY"),
+        (edited("-1 0 1 255", "-1 0 1e999 255"), "vertex 0"),
+        (edited("4 0 1 2 3", "4 0 1 2 4"), "4 vertices"),
+        (edited("4 0 1 2 3", "4 0 1 2 -3"), "PLY"),
+        (edited("4 0 1 2 3", "2 0 1"), "face 0 has 2 corners"),
+        (edited("4 0 1 2 3\n", ""), "PLY"),
+        (edited("vertex 4", "vertex 4000000000"), "cannot hold 4000000000"),
+        (edited("vertex 4", "vertex 99999999999999999999999"), "PLY"),
+        (edited("edge 1\nproperty int vertex1", "edge 1"), "cannot hold 1 of 'edge'"),
+        (edited("element face 1", "element faces 1"), "no triangle"),
+        ("ply\n".to_string(), "PLY"),
+        (String::new(), "PLY"),
+    ] {
+        let error = folder.load("trap.ply", &text).expect_err(&text).to_string();
+        assert!(error.contains(word) && error.contains("trap.ply"), "{text:?}: {error}");
+        assert!(!error.contains('\n') && error.len() < 500, "{error}");
+    }
+    let path = folder.write("lenient.ply", edited("4 0 1 2 3", "2 0 1"));
+    let lenient = Limits { lenient: true, ..Limits::default() };
+    let error = load(&path, &lenient).expect_err("nothing is left").to_string();
+    assert!(error.contains("no triangle"), "{error}");
+}
+
 /// The complaint about a glTF with one thing changed.
 fn complaint(edit: impl FnOnce(&mut Value)) -> String {
     let mut value = gltf();

@@ -128,6 +128,11 @@ fn bombs_are_refused_in_half_a_gigabyte() {
         ("chunk.glb", glb(20, u32::MAX)),
         ("nested.gltf", nested.clone().into_bytes()),
         ("face.obj", b"v 0 0 0\nf 1 2 99999999999999999999\n".to_vec()),
+        (
+            "count.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty float x\nend_header\n"
+                .to_vec(),
+        ),
         ("negative.obj", b"v 0 0 0\nf -1 -2 -9223372036854775808\n".to_vec()),
     ] {
         refused(&folder.measure(&folder.write(name, bytes), ROOM, &[]), name);

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// A scene file and its light on the command line; flatten it into a binary's arguments.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct SceneFile {
-    /// A scene file of your own (.gltf, .glb, .obj); settings from the .toml beside it, if there is one
+    /// A scene file of your own (.gltf, .glb, .obj, .ply); settings from the .toml beside it, if there is one
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Leave damaged triangles and nodes of the scene out, and count them in the report

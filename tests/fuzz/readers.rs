@@ -12,10 +12,11 @@ use std::path::Path;
 /// Name of the corpus folder and of the fuzz target, and the reader.
 pub type Reader = (&'static str, fn(&[u8]));
 
-pub const READERS: [Reader; 9] = [
+pub const READERS: [Reader; 10] = [
     ("gltf_json", gltf_json),
     ("glb", glb),
     ("obj", obj),
+    ("ply", ply),
     ("scene_toml", scene_toml),
     ("packing_toml", packing_toml),
     ("manifest", manifest),
@@ -54,6 +55,10 @@ pub fn glb(bytes: &[u8]) {
 
 pub fn obj(bytes: &[u8]) {
     scene("absent/fuzz.obj", bytes);
+}
+
+pub fn ply(bytes: &[u8]) {
+    scene("absent/fuzz.ply", bytes);
 }
 
 pub fn scene_toml(bytes: &[u8]) {

@@ -1,4 +1,4 @@
-//! Scene files: glTF 2.0 (`.gltf`, `.glb`) and Wavefront OBJ, read under limits and refused in one
+//! Scene files: glTF 2.0 (`.gltf`, `.glb`), Wavefront OBJ and PLY, read under limits and refused in one
 //! sentence.
 //!
 //! Only geometry, node transforms, the first camera and the first directional or spot light are read;
@@ -11,6 +11,7 @@ mod accessor;
 mod files;
 mod gltf_file;
 mod obj_file;
+mod ply_file;
 mod repair;
 
 use super::shapes::Mesh;
@@ -80,11 +81,12 @@ fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
     let scene = match extension.as_str() {
         "gltf" | "glb" => gltf_file::read(path, bytes, budget)?,
         "obj" => obj_file::read(path, bytes, budget)?,
+        "ply" => ply_file::read(path, bytes, budget)?,
         _ => {
             return Err(Error::bad_input(
                 path.display().to_string(),
                 format!("'.{extension}' is no scene format known here"),
-                "give a .gltf, .glb or .obj file",
+                "give a .gltf, .glb, .obj or .ply file",
             ));
         }
     };
