@@ -220,6 +220,20 @@ fn skips_change_no_answer() {
     }
 }
 
+/// The grid's box is guessed from a sample; receivers beside it are answered like the others.
+#[test]
+fn receivers_beside_the_sampled_box() {
+    let scene = still_life(2);
+    let mut random = Random(10);
+    let mut receivers = receivers(&scene, 40_000, &mut random);
+    // Every third one is in the sample.
+    receivers[1].position = DVec3::new(-60.0, 1.0, 50.0);
+    receivers[20_000].position = DVec3::new(40.0, -30.0, 0.0);
+    for light in [LightEnd::Point(DVec3::new(3.0, 9.0, 4.0)), LightEnd::Along(DVec3::Y * 200.0)] {
+        equal(&scene, &receivers, light).unwrap();
+    }
+}
+
 /// What the raster cannot hold goes to the rays: absurd coordinates, receivers at the light.
 #[test]
 fn leftovers_are_answered_too() {

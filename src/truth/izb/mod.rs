@@ -1,7 +1,8 @@
 //! Truth as a raster problem: the irregular z-buffer.
 //!
 //! All segments of one light share an end or a direction. In light space each is a point, so the
-//! receivers are sorted into a grid once and every triangle is run over the receivers near it (Aila and Laine 2004; Johnson et al. 2005; Wyman, Hoetzlein and Lefohn 2015). There is no tree
+//! receivers are sorted into a grid once and every triangle is run over the receivers near it
+//! (Aila and Laine 2004; Johnson et al. 2005; Wyman, Hoetzlein and Lefohn 2015). There is no tree
 //! to build, and the occluders nearest to the receiver and to the light come for the same price.
 //!
 //! # Why the answers are those of the rays
