@@ -203,7 +203,7 @@ fn on_plane(scene: &Geometry, triangle: u32, p: DVec3) -> DVec3 {
 type Scene = (&'static str, Geometry, DVec3, DVec3);
 
 fn terrain() -> Scene {
-    ("terrain", scenes::terrain(640), DVec3::new(0.5, 6.0, 8.5), scenes::SUN)
+    ("terrain", scenes::terrain(640), DVec3::new(0.5, 5.5, 5.75), scenes::SUN)
 }
 
 fn still_life() -> Scene {

@@ -54,11 +54,28 @@ impl Answers {
 
     /// The truth about receiver `k`, to be changed.
     pub(super) fn at(&mut self, k: usize) -> &mut Answer {
-        if self.slots[k] == 0 {
+        let slot = self.slot(k);
+        &mut self.others[slot]
+    }
+
+    /// Where among the others the answer about receiver `k` is: the last one if it was none of them.
+    pub(super) fn slot(&mut self, k: usize) -> usize {
+        let slot = &mut self.slots[k];
+        if *slot == 0 {
             self.others.push(Answer::LIT);
-            self.slots[k] = self.others.len() as u32;
+            *slot = self.others.len() as u32;
         }
-        &mut self.others[self.slots[k] as usize - 1]
+        *slot as usize - 1
+    }
+
+    /// How many others there are.
+    pub(super) const fn others(&self) -> usize {
+        self.others.len()
+    }
+
+    /// The others from one on.
+    pub(super) fn others_from(&mut self, first: usize) -> &mut [Answer] {
+        &mut self.others[first..]
     }
 }
 

@@ -11,6 +11,9 @@ pub(super) const LANES: usize = 16;
 /// Receivers in a column, on average, where they lie densely.
 const PER_COLUMN: u32 = 2;
 
+/// Rows that are sorted and kept together.
+pub(super) const ROWS: usize = 16;
+
 /// No row has many more columns than these.
 const MOST_COLUMNS: u32 = 1 << 20;
 
@@ -90,13 +93,34 @@ impl Row {
     }
 }
 
+/// Blocks of some rows that lie together.
+#[derive(Debug)]
+pub(super) struct Group {
+    /// The place of its first lane.
+    first: usize,
+    blocks: Vec<Block>,
+}
+
+impl Group {
+    pub(super) fn new(first: u32, blocks: Vec<Block>) -> Self {
+        Self { first: first as usize, blocks }
+    }
+
+    /// The block of a place.
+    #[inline(always)]
+    pub(super) fn block(&self, place: usize) -> &Block {
+        &self.blocks[place.wrapping_sub(self.first) / LANES]
+    }
+}
+
 /// The receivers of one frame. A *place* is a lane of a block: sixteen times the block plus the lane.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
     pub(super) rows: Vec<Row>,
     /// The place of the first receiver of each column, row by row; behind each row its end.
     pub(super) starts: Vec<u32>,
-    pub(super) blocks: Vec<Block>,
+    /// The blocks, [`ROWS`] rows together.
+    pub(super) groups: Vec<Group>,
     /// The smallest depth in each block, its farthest receiver, less its margin.
     pub(super) farthest: Vec<f32>,
     /// Of each place the index of the receiver in the caller's slice.
@@ -122,13 +146,11 @@ impl Bins {
     #[inline(always)]
     pub(super) fn is_before(&self, run: &Range<usize>, nearest: f32) -> bool {
         let last = run.end.wrapping_sub(1) / LANES;
-        let mut before = true;
         let mut block = run.start / LANES;
-        while block <= last {
-            before &= nearest < self.farthest[block];
+        while block <= last && nearest < self.farthest[block] {
             block = block.wrapping_add(1);
         }
-        before
+        block > last
     }
 }
 

@@ -79,6 +79,10 @@ impl Hits {
         self.list.push(hit);
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
     pub(super) fn iter(&self) -> impl Iterator<Item = &Hit> {
         self.list.iter()
     }

@@ -108,7 +108,11 @@ struct Space {
 
 impl Space {
     fn new(geometry: &Geometry, light: LightEnd) -> Self {
-        let (low, high) = super::bvh::bounds(geometry.positions.iter());
+        let part = |positions: &[DVec3]| super::bvh::bounds(positions.iter());
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let nothing = || part(&[]);
+        let parts = geometry.positions.par_chunks(1 << 14).map(part);
+        let (low, high) = parts.reduce(nothing, join);
         let extent = low.abs().max(high.abs()).max_element();
         let size = (high - low).max_element();
         Self { centre: (low + high) / 2.0, size, extent, light }

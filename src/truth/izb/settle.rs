@@ -8,20 +8,32 @@ use super::super::{Answer, Answers, Occlusion, Truth};
 use super::hits::Hit;
 use super::sweep::{Found, Shared};
 
-/// The inside contacts of one receiver nearest to it and to the light: position and triangle.
+/// An inside contact: of which receiver, where on its segment and with which triangle.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    receiver: u32,
+    triangle: u32,
+    t: f64,
+}
+
+/// What is known about one receiver: the inside contacts nearest to it and to the light, position and
+/// triangle, and how many triangles it touches.
 #[derive(Clone, Copy, Debug)]
 struct State {
+    receiver: u32,
+    touching: u32,
     nearest: (f64, u32),
     farthest: (f64, u32),
 }
 
 impl State {
-    const LIT: Self =
-        Self { nearest: (f64::INFINITY, u32::MAX), farthest: (f64::NEG_INFINITY, u32::MAX) };
+    const fn lit(receiver: u32) -> Self {
+        let (nearest, farthest) = ((f64::INFINITY, u32::MAX), (f64::NEG_INFINITY, u32::MAX));
+        Self { receiver, touching: 0, nearest, farthest }
+    }
 
     /// Keeps a contact that is nearer to an end; ties go to the lowest triangle id.
-    fn add(&mut self, contact: &Contact) {
-        let Contact { t, triangle, .. } = *contact;
+    fn add(&mut self, t: f64, triangle: u32) {
         if t < self.nearest.0 || (t == self.nearest.0 && triangle < self.nearest.1) {
             self.nearest = (t, triangle);
         }
@@ -29,29 +41,40 @@ impl State {
             self.farthest = (t, triangle);
         }
     }
-}
 
-/// States of the places that have any.
-#[derive(Debug)]
-struct States {
-    /// One more than the index in `list`; 0 of a place without a state.
-    slots: Vec<u32>,
-    list: Vec<(u32, State)>,
-}
-
-impl States {
-    fn add(&mut self, place: u32, contact: &Contact) {
-        let slot = &mut self.slots[place as usize];
-        if *slot == 0 {
-            self.list.push((place, State::LIT));
-            *slot = self.list.len() as u32;
+    fn answer(&self, shared: Shared) -> Answer {
+        let touching = self.touching;
+        if self.nearest.1 == u32::MAX {
+            return Answer { truth: Truth::Lit, touching };
         }
-        self.list[*slot as usize - 1].1.add(contact);
+        let length = shared.segment_of(self.receiver).length();
+        let truth = Truth::Shadowed(Occlusion {
+            occluder: self.nearest.1,
+            gap: self.nearest.0 * length,
+            first: self.farthest.1,
+            first_gap: self.farthest.0 * length,
+        });
+        Answer { truth, touching }
     }
+}
 
-    fn get(&self, place: u32) -> Option<&State> {
-        let slot = (self.slots[place as usize] as usize).checked_sub(1)?;
-        Some(&self.list[slot].1)
+/// States of the receivers of a frame that have any, side by side with their answers.
+#[derive(Debug)]
+struct States<'a> {
+    answers: &'a mut Answers,
+    /// Where in the answers that are not *lit* those of this frame begin.
+    first: usize,
+    list: Vec<State>,
+}
+
+impl States<'_> {
+    /// The state of a receiver; it gets one.
+    fn of(&mut self, receiver: u32) -> &mut State {
+        let slot = self.answers.slot(receiver as usize) - self.first;
+        if slot == self.list.len() {
+            self.list.push(State::lit(receiver));
+        }
+        &mut self.list[slot]
     }
 }
 
@@ -59,29 +82,32 @@ impl States {
 /// hits were dropped because others surround them, and one of those is no inside contact after all.
 pub(super) fn settle(shared: Shared, found: &[Found], answers: &mut Answers) -> Vec<u32> {
     let index = |place: u32| shared.bins.index[place as usize];
+    let first = answers.others();
+    let mut states = States { answers, first, list: Vec::new() };
     for place in found.iter().flat_map(|found| &found.touching) {
-        answers.at(index(*place) as usize).touching += 1;
+        states.of(index(*place)).touching += 1;
     }
-    let mut states = States { slots: vec![0; shared.bins.index.len()], list: Vec::new() };
     for (place, contact) in found.iter().flat_map(|found| &found.inside) {
-        states.add(*place, contact);
+        states.of(index(*place)).add(contact.t, contact.triangle);
     }
     let mut open = Vec::new();
-    for (place, meeting) in meetings(shared, found) {
-        match meeting {
-            Meeting::Contact(contact) if contact.is_inside() => states.add(place, &contact),
-            _ => open.push(index(place)),
-        }
-    }
-    for (place, state) in &states.list {
-        answers.at(index(*place) as usize).truth = shadowed(shared, *place, state);
+    for (met, left) in meetings(shared, found) {
+        met.iter().for_each(|met| states.of(met.receiver).add(met.t, met.triangle));
+        open.extend(left);
     }
     let mut marginal: Vec<_> = found.iter().flat_map(|found| &found.marginal).collect();
     marginal.sort_unstable_by_key(|(place, contact)| (*place, contact.triangle));
-    for group in marginal.chunk_by(|a, b| a.0 == b.0) {
+    let marginal = marginal.chunk_by(|a, b| a.0 == b.0);
+    let marginal = marginal.map(|group| {
         let place = group[0].0;
-        let truth = with_marginal(shared, place, states.get(place), group);
-        answers.at(index(place) as usize).truth = truth;
+        (index(place), with_marginal(shared, place, states.of(index(place)), group))
+    });
+    let marginal: Vec<_> = marginal.collect();
+    let States { answers, list, .. } = states;
+    let frame = answers.others_from(first).par_iter_mut().zip(&list);
+    frame.with_min_len(1 << 10).for_each(|(answer, state)| *answer = state.answer(shared));
+    for (receiver, truth) in marginal {
+        answers.at(receiver as usize).truth = truth;
     }
     for place in found.iter().flat_map(|found| &found.void) {
         let ambiguous = Answer { truth: Truth::Ambiguous, touching: 0 };
@@ -92,40 +118,38 @@ pub(super) fn settle(shared: Shared, found: &[Found], answers: &mut Answers) -> 
     open
 }
 
-/// How the triangles of hits that may be at an end meet their segments.
-fn meetings(shared: Shared, found: &[Found]) -> Vec<(u32, Meeting)> {
-    let meet = |hit: &Hit| {
-        if shared.skips.between && shared.known.surround(hit) {
-            return None;
+/// By chunk, how the triangles of hits that may be at an end meet their segments, and the receivers
+/// of which one is no inside contact.
+fn meetings(shared: Shared, found: &[Found]) -> Vec<(Vec<Met>, Vec<u32>)> {
+    let meet = |found: &Found| {
+        let (mut met, mut open) = (Vec::with_capacity(found.hits.len()), Vec::new());
+        for &Hit { place, triangle, .. } in found.hits.iter().filter(|hit| !shared.is_between(hit)) {
+            let receiver = shared.bins.index[place as usize];
+            let corners = shared.geometry.corners(triangle);
+            match shared.segment_of(receiver).meet_inside(triangle, &corners) {
+                Meeting::Contact(contact) if contact.is_inside() => {
+                    met.push(Met { receiver, triangle, t: contact.t });
+                }
+                _ => open.push(receiver),
+            }
         }
-        let corners = shared.geometry.corners(hit.triangle);
-        let meeting = shared.segment(hit.place).meet_inside(hit.triangle, &corners);
-        Some((hit.place, meeting))
+        (met, open)
     };
-    found.par_iter().flat_map_iter(|found| found.hits.iter().filter_map(meet)).collect()
-}
-
-fn shadowed(shared: Shared, place: u32, state: &State) -> Truth {
-    let length = shared.segment(place).length();
-    Truth::Shadowed(Occlusion {
-        occluder: state.nearest.1,
-        gap: state.nearest.0 * length,
-        first: state.farthest.1,
-        first_gap: state.farthest.0 * length,
-    })
+    found.par_iter().map(meet).collect()
 }
 
 /// The verdict where an edge, a vertex or a plane is met beside what lies inside.
 fn with_marginal(
     shared: Shared,
     place: u32,
-    state: Option<&State>,
+    state: &State,
     group: &[&(u32, Contact)],
 ) -> Truth {
     let segment = shared.segment(place);
     let corners = |id| shared.geometry.corners(id);
     let mut contacts = Contacts::default();
-    for id in state.iter().flat_map(|state| [state.nearest.1, state.farthest.1]) {
+    let ends = [state.nearest.1, state.farthest.1];
+    for id in ends.into_iter().filter(|&id| id != u32::MAX) {
         if let Meeting::Contact(contact) = segment.meet(id, &corners(id)) {
             contacts.add(contact);
         }

@@ -6,14 +6,11 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::super::Receiver;
-use super::bins::{Bins, Block, LANES, Row, farther, row_of};
+use super::bins::{Bins, Block, Group, LANES, ROWS, Row, farther, row_of};
 use super::frame::{Frame, Reach};
 use super::members::Members;
 use crate::simd::lanes::BATCH;
 use crate::simd::{Kernel, Level};
-
-/// Rows that a thread sorts at a time.
-const ROWS: usize = 16;
 
 /// The receivers that `members` names, sorted; none unless all of them lie in the grid of the frame.
 pub(super) fn sorted(
@@ -43,9 +40,8 @@ pub(super) fn sorted(
     bins.index = by_row(&row_numbers, chunk, &looks, &rows, blocks as usize * LANES);
     bins.starts = vec![0; entries as usize];
     bins.farthest = vec![0.0; blocks as usize];
-    let empty = (0..blocks as usize).into_par_iter().with_min_len(1 << 12);
-    empty.map(|_| Block::EMPTY).collect_into_vec(&mut bins.blocks);
-    bins.by_column(&rows, |jobs| level.run(Columns { frame, receivers, members, jobs }));
+    bins.groups =
+        bins.by_column(&rows, |jobs| level.run(Columns { frame, receivers, members, jobs }));
     Some(bins)
 }
 
@@ -142,20 +138,18 @@ struct Job<'a> {
     row: Row,
     extent: Extent,
     starts: &'a mut [u32],
-    blocks: &'a mut [Block],
     farthest: &'a mut [f32],
     index: &'a mut [u32],
 }
 
 impl Bins {
     /// Does the `work` on all rows, some at a time.
-    fn by_column(&mut self, rows: &[Extent], work: impl Fn(&mut [Job]) + Sync + Send) {
-        let mut left = (
-            &mut self.starts[..],
-            &mut self.blocks[..],
-            &mut self.farthest[..],
-            &mut self.index[..],
-        );
+    fn by_column(
+        &mut self,
+        rows: &[Extent],
+        work: impl Fn(&mut [Job]) -> Group + Sync + Send,
+    ) -> Vec<Group> {
+        let mut left = (&mut self.starts[..], &mut self.farthest[..], &mut self.index[..]);
         let mut jobs = Vec::with_capacity(rows.len());
         for (&row, &extent) in self.rows.iter().zip(rows) {
             let blocks = (extent.count as usize).div_ceil(LANES);
@@ -163,12 +157,11 @@ impl Bins {
                 row,
                 extent,
                 starts: cut(&mut left.0, row.entries()),
-                blocks: cut(&mut left.1, blocks),
-                farthest: cut(&mut left.2, blocks),
-                index: cut(&mut left.3, blocks * LANES),
+                farthest: cut(&mut left.1, blocks),
+                index: cut(&mut left.2, blocks * LANES),
             });
         }
-        jobs.par_chunks_mut(ROWS).for_each(work);
+        jobs.par_chunks_mut(ROWS).map(work).collect()
     }
 }
 
@@ -199,17 +192,21 @@ struct Records {
 }
 
 impl Kernel for Columns<'_, '_> {
-    type Output = ();
+    type Output = Group;
 
     #[inline(always)]
-    fn run(self, _: bool) {
+    fn run(self, _: bool) -> Group {
         let mut records = Records::default();
-        for job in self.jobs {
+        let mut blocks = Vec::with_capacity(self.jobs.iter().map(|job| job.farthest.len()).sum());
+        for job in &mut *self.jobs {
             let named = &mut job.index[..job.extent.count as usize];
             named.iter_mut().for_each(|k| *k = self.members.index(*k as usize) as u32);
             records.fill(self.frame, self.receivers, named, &job.row);
-            job.place(&records);
+            let before = blocks.len();
+            blocks.resize(before + job.farthest.len(), Block::EMPTY);
+            job.place(&records, &mut blocks[before..]);
         }
+        Group::new(self.jobs[0].extent.first, blocks)
     }
 }
 
@@ -248,7 +245,7 @@ impl Records {
 impl Job<'_> {
     /// Puts the receivers of the row in the order of their columns: a stable counting sort.
     #[inline(always)]
-    fn place(&mut self, records: &Records) {
+    fn place(&mut self, records: &Records, blocks: &mut [Block]) {
         let count = records.index.len();
         for &column in &records.column[..count] {
             let start = &mut self.starts[column as usize + 1];
@@ -264,7 +261,7 @@ impl Job<'_> {
             let start = &mut self.starts[records.column[k] as usize];
             let place = *start as usize;
             *start = start.wrapping_add(1);
-            let (block, lane) = (&mut self.blocks[place / LANES], place % LANES);
+            let (block, lane) = (&mut blocks[place / LANES], place % LANES);
             (block.x[lane], block.y[lane]) = (records.x[k], records.y[k]);
             (block.depth[lane], block.own[lane]) = (records.depth[k], records.own[k]);
             self.index[place] = records.index[k];
@@ -275,7 +272,7 @@ impl Job<'_> {
         for start in &mut *self.starts {
             *start = start.wrapping_add(self.extent.first);
         }
-        for (farthest, block) in self.farthest.iter_mut().zip(&*self.blocks) {
+        for (farthest, block) in self.farthest.iter_mut().zip(&*blocks) {
             let least = block.depth.iter().fold(f32::INFINITY, |m, &d| if d < m { d } else { m });
             *farthest = farther(least);
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::super::intersect::{Contact, Meeting, Segment};
 use super::super::{LightEnd, Receiver};
-use super::bins::{Bins, Block, LANES};
+use super::bins::{Bins, Block, LANES, ROWS};
 use super::frame::Frame;
 use super::hits::{Hit, Hits, Known};
 use super::setup::{Batch, Plane};
@@ -33,8 +33,18 @@ pub(super) struct Shared<'a> {
 impl Shared<'_> {
     /// The segment of the receiver at a place.
     pub(super) fn segment(&self, place: u32) -> Segment {
-        let from = self.receivers[self.bins.index[place as usize] as usize].position;
+        self.segment_of(self.bins.index[place as usize])
+    }
+
+    /// The segment of a receiver.
+    pub(super) fn segment_of(&self, receiver: u32) -> Segment {
+        let from = self.receivers[receiver as usize].position;
         Segment::of_scene(from, self.light.of(from), self.extent)
+    }
+
+    /// Whether a hit is certain to be at no end of its segment, by what is known now.
+    pub(super) fn is_between(&self, hit: &Hit) -> bool {
+        self.skips.between && self.known.surround(hit)
     }
 }
 
@@ -62,7 +72,8 @@ pub(super) struct Chunk<'a> {
 /// Places that a triangle of a batch is run over.
 #[derive(Clone, Copy, Debug)]
 struct Run {
-    slot: u32,
+    slot: u16,
+    group: u16,
     start: u32,
     end: u32,
 }
@@ -75,18 +86,22 @@ impl Kernel for Chunk<'_> {
         let Shared { geometry, vertices, frame, .. } = self.shared;
         self.found.work.triangles = self.ids.len() as u64;
         let (mut batch, mut runs) = (Batch::EMPTY, Vec::new());
-        for id in self.ids.clone() {
-            let corners = geometry.triangles[id as usize];
-            let Some(item) = vertices.item(corners, frame.cells) else {
-                self.found.work.outside += 1;
-                continue;
-            };
-            match self.runs(&item, batch.len as u32, &mut runs) {
-                None => batch.push(id, vertices.corners(corners), &item),
-                Some(skipped) => self.found.work.skip(skipped),
-            }
-            if batch.len == BATCH {
-                self.sweep(&mut batch, &mut runs);
+        for first in self.ids.clone().step_by(BATCH) {
+            let ids = first as usize..self.ids.end.min(first + BATCH as u32) as usize;
+            let triangles = &geometry.triangles[ids];
+            let items = vertices.items(triangles, frame.cells);
+            for (k, &corners) in triangles.iter().enumerate() {
+                let Some(item) = items.get(k) else {
+                    self.found.work.outside += 1;
+                    continue;
+                };
+                match self.runs(&item, batch.len, &mut runs) {
+                    None => batch.push(first + k as u32, vertices.corners(corners), &item),
+                    Some(skipped) => self.found.work.skip(skipped),
+                }
+                if batch.len == BATCH {
+                    self.sweep(&mut batch, &mut runs);
+                }
             }
         }
         self.sweep(&mut batch, &mut runs);
@@ -98,7 +113,7 @@ impl Chunk<'_> {
     /// Notes the runs of receivers that a triangle may shadow, or why there are none: no receiver is
     /// there, or all are nearer to the light than the triangle.
     #[inline(always)]
-    fn runs(&self, item: &Item, slot: u32, runs: &mut Vec<Run>) -> Option<Skipped> {
+    fn runs(&self, item: &Item, slot: usize, runs: &mut Vec<Run>) -> Option<Skipped> {
         let Shared { bins, skips, .. } = self.shared;
         let (mut swept, mut behind) = (false, false);
         for row in usize::from(item.rows[0])..usize::from(item.rows[1]) + 1 {
@@ -111,7 +126,12 @@ impl Chunk<'_> {
                 continue;
             }
             swept = true;
-            runs.push(Run { slot, start: run.start as u32, end: run.end as u32 });
+            runs.push(Run {
+                slot: slot as u16,
+                group: (row / ROWS) as u16,
+                start: run.start as u32,
+                end: run.end as u32,
+            });
         }
         match (swept, behind) {
             (true, _) => None,
@@ -126,7 +146,7 @@ impl Chunk<'_> {
         let planes = batch.planes(self.shared.frame);
         self.found.work.swept += batch.len as u64;
         for run in &*runs {
-            let slot = run.slot as usize;
+            let slot = usize::from(run.slot);
             self.found.work.evaluated += u64::from(run.end - run.start);
             self.sweep_run(batch.ids[slot], &planes.get(slot), run);
         }
@@ -138,12 +158,13 @@ impl Chunk<'_> {
     #[inline(always)]
     fn sweep_run(&mut self, id: u32, plane: &Plane, run: &Run) {
         let (start, end) = (run.start as usize, run.end as usize);
+        let group = &self.shared.bins.groups[usize::from(run.group)];
         let mut first = start - start % LANES;
         while first < end {
-            let block = &self.shared.bins.blocks[first / LANES];
+            let block = group.block(first);
             let lanes = start.saturating_sub(first)..LANES.min(end - first);
             if Tests::new(plane, block).any(block, &lanes, id) {
-                self.candidates(id, plane, first, lanes);
+                self.candidates(id, plane, block, first, lanes);
             }
             first = first.wrapping_add(LANES);
         }
@@ -151,25 +172,30 @@ impl Chunk<'_> {
 
     /// Those of a block's receivers that the triangle may shadow or touch.
     #[inline(always)]
-    fn candidates(&mut self, id: u32, plane: &Plane, first: usize, lanes: Range<usize>) {
-        let block = &self.shared.bins.blocks[first / LANES];
+    fn candidates(&mut self, id: u32, plane: &Plane, block: &Block, first: usize, lanes: Range<usize>) {
         let tests = Tests::new(plane, block);
         for lane in lanes {
             let (inside, nearer) = (tests.inside[lane], tests.nearer[lane]);
             if (inside >= -1.0) & (nearer >= -1.0) & (block.own[lane] != id) {
-                self.candidate(id, plane.depth_error, (inside, nearer), first + lane);
+                let here = (first + lane, block.depth[lane]);
+                self.candidate(id, plane.depth_error, (inside, nearer), here);
             }
         }
     }
 
     /// A receiver that the triangle may shadow or touch.
     #[inline(never)]
-    fn candidate(&mut self, id: u32, error: f32, (inside, nearer): (f32, f32), place: usize) {
+    fn candidate(
+        &mut self,
+        id: u32,
+        error: f32,
+        (inside, nearer): (f32, f32),
+        (place, receiver_depth): (usize, f32),
+    ) {
         if inside < 1.0 || nearer < 1.0 {
             return self.undecided(id, place);
         }
-        let Shared { bins, known, frame, skips, .. } = self.shared;
-        let receiver_depth = bins.blocks[place / LANES].depth[place % LANES];
+        let Shared { known, frame, skips, .. } = self.shared;
         let depth = receiver_depth + nearer * error;
         let depths = [depth - 2.0 * error, depth + 2.0 * error];
         let mut hit = Hit { place: place as u32, triangle: id, depths };

@@ -20,6 +20,66 @@ pub(super) struct Item {
     pub(super) nearest: f32,
 }
 
+/// The box around a triangle in light space: grid position, depth and a 0.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: [f32; 4],
+    high: [f32; 4],
+}
+
+impl Bounds {
+    const NOWHERE: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
+}
+
+/// The items of eight triangles side by side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Items {
+    left: [f32; BATCH],
+    right: [f32; BATCH],
+    bottom: [u16; BATCH],
+    top: [u16; BATCH],
+    nearest: [f32; BATCH],
+    on_grid: [bool; BATCH],
+}
+
+impl Items {
+    /// The parts of boxes that lie on the grid, widened by the rounding of f32 positions.
+    #[inline(always)]
+    fn on_grid(bounds: &[Bounds; BATCH], cells: usize) -> Self {
+        let end = cells as f32;
+        let mut items = Self {
+            left: [0.0; BATCH],
+            right: [0.0; BATCH],
+            bottom: [0; BATCH],
+            top: [0; BATCH],
+            nearest: [0.0; BATCH],
+            on_grid: [false; BATCH],
+        };
+        for k in 0..BATCH {
+            let ([left, bottom, ..], [right, top, depth, _]) = (bounds[k].low, bounds[k].high);
+            let (left, bottom) = (left - pad(left), bottom - pad(bottom));
+            let (right, top) = (right + pad(right), top + pad(top));
+            items.on_grid[k] = (right >= 0.0) & (left < end) & (top >= 0.0) & (bottom < end);
+            items.left[k] = greater(left, -1.0);
+            items.right[k] = lesser(right, end + 1.0);
+            items.bottom[k] = row_of(bottom, cells) as u16;
+            items.top[k] = row_of(top, cells) as u16;
+            items.nearest[k] = nearer(depth);
+        }
+        items
+    }
+
+    /// The item of triangle `k` of the eight; none where it lies beside the grid.
+    #[inline(always)]
+    pub(super) fn get(&self, k: usize) -> Option<Item> {
+        self.on_grid[k].then_some(Item {
+            columns: [self.left[k], self.right[k]],
+            rows: [self.bottom[k], self.top[k]],
+            nearest: self.nearest[k],
+        })
+    }
+}
+
 /// Grid positions and depths of all vertices in f32 and a 0, so that all are compared at once (NaN where
 /// a vertex is behind the light or nearly so).
 #[derive(Debug)]
@@ -75,25 +135,41 @@ impl<'a> Vertices<'a> {
         [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
-    /// Where on a grid of `cells * cells` a triangle may shadow receivers; none where it lies beside.
+    /// Where on a grid of `cells * cells` up to eight triangles may shadow receivers.
     #[inline(always)]
-    pub(super) fn item(&self, corners: [u32; 3], cells: usize) -> Option<Item> {
-        let [a, b, c] = corners;
-        let (a, b, c) =
-            (&self.screen[a as usize], &self.screen[b as usize], &self.screen[c as usize]);
-        let (mut low, mut high) = ([0.0; 4], [0.0; 4]);
-        for k in 0..4 {
-            low[k] = lesser(a[k], lesser(b[k], c[k]));
+    pub(super) fn items(&self, triangles: &[[u32; 3]], cells: usize) -> Items {
+        let mut bounds = [Bounds::NOWHERE; BATCH];
+        let mut seen = 0.0;
+        for (&[a, b, c], bounds) in triangles.iter().zip(&mut bounds) {
+            let (a, b, c) =
+                (&self.screen[a as usize], &self.screen[b as usize], &self.screen[c as usize]);
+            for k in 0..4 {
+                bounds.low[k] = lesser(a[k], lesser(b[k], c[k]));
+            }
+            for k in 0..4 {
+                bounds.high[k] = greater(a[k], greater(b[k], c[k]));
+            }
+            seen += a[3] + b[3] + c[3];
         }
-        for k in 0..4 {
-            high[k] = greater(a[k], greater(b[k], c[k]));
+        if seen.is_nan() {
+            self.clip_those_behind(triangles, &mut bounds, cells);
         }
-        if (a[2] + b[2] + c[2]).is_nan() {
-            let (low, high) = self.clipped(corners, cells as f64)?;
-            let [low, high] = [low, high].map(|[x, y]| [x, y, 0.0, 0.0]);
-            return on_grid(low, high, f32::INFINITY, cells);
+        Items::on_grid(&bounds, cells)
+    }
+
+    /// Bounds of those triangles of which a corner is behind the light.
+    #[cold]
+    #[inline(never)]
+    fn clip_those_behind(&self, triangles: &[[u32; 3]], bounds: &mut [Bounds], cells: usize) {
+        for (&corners, bounds) in triangles.iter().zip(bounds) {
+            if corners.iter().any(|&v| self.screen[v as usize][3].is_nan()) {
+                let clipped = self.clipped(corners, cells as f64);
+                *bounds = clipped.map_or(Bounds::NOWHERE, |(low, high)| Bounds {
+                    low: [low[0], low[1], 0.0, 0.0],
+                    high: [high[0], high[1], f32::INFINITY, 0.0],
+                });
+            }
         }
-        on_grid(low, high, nearer(high[2]), cells)
     }
 
     /// Bounds on the grid of a triangle that reaches behind the light: it is clipped to the
@@ -160,24 +236,6 @@ fn clip(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
         }
     }
     kept
-}
-
-/// The part of bounds that lies on the grid, widened by the rounding of f32 positions.
-#[inline(always)]
-fn on_grid(mut low: [f32; 4], mut high: [f32; 4], nearest: f32, cells: usize) -> Option<Item> {
-    let end = cells as f32;
-    for k in 0..4 {
-        low[k] -= pad(low[k]);
-    }
-    for k in 0..4 {
-        high[k] += pad(high[k]);
-    }
-    let inside = (high[0] >= 0.0) & (low[0] < end) & (high[1] >= 0.0) & (low[1] < end);
-    inside.then_some(Item {
-        columns: [greater(low[0], -1.0), lesser(high[0], end + 1.0)],
-        rows: [row_of(low[1], cells) as u16, row_of(high[1], cells) as u16],
-        nearest,
-    })
 }
 
 /// What an f32 position may be off.
