@@ -4,7 +4,7 @@
 //! the target's baseline, and called lane by lane.
 #![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// How many there are.
 pub const BATCH: usize = 8;
@@ -106,6 +106,14 @@ impl Mul for Lanes {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.zip(other, |a, b| a * b)
+    }
+}
+
+impl Div for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
     }
 }
 

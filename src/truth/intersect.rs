@@ -3,14 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::orient::{LARGEST, orient2d, orient3d, sign};
-
-/// Half an ulp of 1: the relative error of one f64 operation.
-const U: f64 = f64::EPSILON / 2.0;
-
-/// A determinant of three differences evaluated in f64 is off by at most `((1 + U)^8 - 1)` of its
-/// permanent: three roundings of differences, two products, one subtraction and two sums. 9 leaves
-/// room for the roundings of the permanent and of this product.
-const FILTER: f64 = 9.0 * U;
+use super::plane::{FILTER, Line, Place, U};
 
 /// Permanents below this may be falsified by underflow, so the filter does not trust them:
 /// with |coordinates| up to 2^200 an underflow adds less than 2^-870, far below U * 2^-700.
@@ -73,10 +66,10 @@ impl Segment {
         Self { from, to, along: to - from, blur }
     }
 
-    /// A segment from a receiver of a scene whose largest |coordinate| is `extent`: each coordinate
-    /// of the receiver may be off by `16 * 2^-53` times the largest of all.
+    /// The segment of a receiver of a scene whose largest |coordinate| is `extent`.
     pub(super) fn of_scene(from: DVec3, to: DVec3, extent: f64) -> Self {
-        Self::new(from, to, 8.0 * f64::EPSILON * extent.max(from.abs().max_element()))
+        let line = Line::of_scene(from.to_array(), &to.to_array(), extent);
+        Self { from, to, along: line.along.into(), blur: line.blur }
     }
 
     #[cfg(test)]
@@ -128,10 +121,9 @@ impl Segment {
 
     /// As [`Self::meet`], where the line is known to pass through the inside.
     pub(super) fn meet_inside(&self, id: u32, corners: &[DVec3; 3]) -> Meeting {
-        let (normal, rough) = normal(corners);
-        let slope = normal.dot(self.along);
-        if slope.abs() > FILTER * rough.dot(self.along.abs()) {
-            self.meet_at(id, corners, [sign(slope); 3])
+        let place = self.on_plane(corners);
+        if place.certain > 0.0 {
+            self.meet_at(id, corners, [sign(place.slope); 3])
         } else {
             self.meet(id, corners)
         }
@@ -190,10 +182,11 @@ impl Segment {
     /// bound. Near the ends, and where the plane is nearly parallel to the line, the range of the
     /// corners along the segment bounds it as well.
     fn position(&self, corners: &[DVec3; 3]) -> (f64, f64) {
-        let (t, error) = self.plane_position(corners);
-        if t - error > 0.0 && t + error < 1.0 && error < 1e-9 {
-            return (t, error);
+        let place = self.on_plane(corners);
+        if place.is_between_ends() {
+            return (place.t, place.error);
         }
+        let (t, error) = place.bounded();
         let (near, far) = self.corner_range(corners);
         let (low, high) = ((t - error).max(near), (t + error).min(far));
         if low > high {
@@ -203,25 +196,11 @@ impl Segment {
         (t, (high - t).max(t - low) * (1.0 + 4.0 * U))
     }
 
-    /// `t` and its bound from the plane alone; infinite where the plane is parallel to the line
-    /// within rounding.
-    fn plane_position(&self, corners: &[DVec3; 3]) -> (f64, f64) {
-        let (normal, rough) = normal(corners);
-        let offset = corners[0] - self.from;
-        let (height, slope) = (normal.dot(offset), normal.dot(self.along));
-        let blur = self.blur * (normal.abs() + rough * (4.0 * U)).element_sum() * (1.0 + 8.0 * U);
-        let height_error = FILTER * rough.dot(offset.abs()) + blur;
-        let slope_error = FILTER * rough.dot(self.along.abs());
-        let t = height / slope;
-        let safe_slope = slope.abs() - slope_error;
-        if safe_slope <= 0.0 || !t.is_finite() {
-            return (t, f64::INFINITY);
-        }
-        (
-            t,
-            (height_error + t.abs() * slope_error) / safe_slope * (1.0 + 16.0 * U)
-                + 2.0 * U * t.abs(),
-        )
+    /// Where the line meets the plane of the triangle.
+    fn on_plane(&self, corners: &[DVec3; 3]) -> Place<f64> {
+        let Self { from, along, blur, .. } = *self;
+        let line = Line { from: from.to_array(), along: along.to_array(), blur };
+        line.meet(&corners.map(|corner| corner.to_array()))
     }
 
     /// The range of the corners' positions along the segment, widened by their error: a point of
@@ -288,17 +267,6 @@ impl Segment {
         let sides = flat.map(|v| orient2d(ends[0], ends[1], v));
         apart_by_edge || sides == [Some(1); 3] || sides == [Some(-1); 3]
     }
-}
-
-/// The normal `(b - a) x (c - a)`, and the permanent of each component: `|e1y e2z| + |e1z e2y|`,
-/// and so on.
-#[inline]
-fn normal([a, b, c]: &[DVec3; 3]) -> (DVec3, DVec3) {
-    let (e1, e2) = (*b - *a, *c - *a);
-    let (f1, f2) = (e1.abs(), e2.abs());
-    let rough =
-        DVec3::new(f1.y * f2.z + f1.z * f2.y, f1.z * f2.x + f1.x * f2.z, f1.x * f2.y + f1.y * f2.x);
-    (e1.cross(e2), rough)
 }
 
 /// The point seen along an axis.

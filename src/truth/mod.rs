@@ -32,6 +32,7 @@ mod cover;
 mod intersect;
 pub mod izb;
 mod orient;
+mod plane;
 
 pub use answers::Answers;
 pub use bvh::Tracer;

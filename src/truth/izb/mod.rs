@@ -230,7 +230,7 @@ impl Job<'_> {
         let found = self.sweep(shared);
         found.iter().for_each(|found| self.work += found.work);
         self.work.answered += receivers_held as u64 * geometry.triangles.len() as u64;
-        settle::settle(shared, &found, answers)
+        settle::settle(shared, &found, answers, self.options.level)
     }
 
     /// Runs all triangles, in chunks side by side.

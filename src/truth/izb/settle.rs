@@ -1,12 +1,16 @@
 //! From what the chunks found to answers.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::cover::Contacts;
 use super::super::intersect::{Contact, Meeting};
+use super::super::plane::{Vector, side_by_side};
 use super::super::{Answer, Answers, Occlusion, Truth};
-use super::hits::Hit;
+use super::hits::Hits;
 use super::sweep::{Found, Shared};
+use crate::simd::lanes::{BATCH, Lanes};
+use crate::simd::{Kernel, Level};
 
 /// An inside contact: of which receiver, where on its segment and with which triangle.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +84,12 @@ impl States<'_> {
 
 /// Turns what the chunks found into answers, and returns the receivers about which nothing is said:
 /// hits were dropped because others surround them, and one of those is no inside contact after all.
-pub(super) fn settle(shared: Shared, found: &[Found], answers: &mut Answers) -> Vec<u32> {
+pub(super) fn settle(
+    shared: Shared,
+    found: &[Found],
+    answers: &mut Answers,
+    level: Level,
+) -> Vec<u32> {
     let index = |place: u32| shared.bins.index[place as usize];
     let first = answers.others();
     let mut states = States { answers, first, list: Vec::new() };
@@ -91,7 +100,9 @@ pub(super) fn settle(shared: Shared, found: &[Found], answers: &mut Answers) -> 
         states.of(index(*place)).add(contact.t, contact.triangle);
     }
     let mut open = Vec::new();
-    for (met, left) in meetings(shared, found) {
+    let measure = |found: &Found| level.run(Measure { shared, hits: &found.hits });
+    let measured: Vec<Measured> = found.par_iter().map(measure).collect();
+    for Measured { met, open: left } in measured {
         met.iter().for_each(|met| states.of(met.receiver).add(met.t, met.triangle));
         open.extend(left);
     }
@@ -118,24 +129,77 @@ pub(super) fn settle(shared: Shared, found: &[Found], answers: &mut Answers) -> 
     open
 }
 
-/// By chunk, how the triangles of hits that may be at an end meet their segments, and the receivers
-/// of which one is no inside contact.
-fn meetings(shared: Shared, found: &[Found]) -> Vec<(Vec<Met>, Vec<u32>)> {
-    let meet = |found: &Found| {
-        let (mut met, mut open) = (Vec::with_capacity(found.hits.len()), Vec::new());
-        for &Hit { place, triangle, .. } in found.hits.iter().filter(|hit| !shared.is_between(hit)) {
-            let receiver = shared.bins.index[place as usize];
-            let corners = shared.geometry.corners(triangle);
-            match shared.segment_of(receiver).meet_inside(triangle, &corners) {
-                Meeting::Contact(contact) if contact.is_inside() => {
-                    met.push(Met { receiver, triangle, t: contact.t });
+/// The hits of a chunk that may be at an end, to be measured in f64.
+struct Measure<'a> {
+    shared: Shared<'a>,
+    hits: &'a Hits,
+}
+
+/// What they are: inside contacts, and the receivers of hits that are none.
+#[derive(Debug, Default)]
+struct Measured {
+    met: Vec<Met>,
+    open: Vec<u32>,
+}
+
+impl Kernel for Measure<'_> {
+    type Output = Measured;
+
+    #[inline(always)]
+    fn run(self, _: bool) -> Measured {
+        let mut measured = Measured::default();
+        measured.met.reserve(self.hits.len());
+        let mut hits = self.hits.iter().filter(|hit| !self.shared.is_between(hit));
+        loop {
+            let (mut receivers, mut triangles, mut count) = ([0; BATCH], [0; BATCH], 0);
+            for hit in hits.by_ref().take(BATCH) {
+                receivers[count] = self.shared.bins.index[hit.place as usize];
+                triangles[count] = hit.triangle;
+                count += 1;
+            }
+            if count == 0 {
+                return measured;
+            }
+            // Lanes beyond `count` measure receiver 0 against triangle 0, for nobody.
+            let places = self.shared.lines_of(&receivers).meet(&self.corners(&triangles));
+            for k in 0..count {
+                let (place, receiver, triangle) = (places.lane(k), receivers[k], triangles[k]);
+                if place.is_between_ends() {
+                    measured.met.push(Met { receiver, triangle, t: place.t });
+                } else {
+                    measured.add(self.shared, receiver, triangle);
                 }
-                _ => open.push(receiver),
             }
         }
-        (met, open)
-    };
-    found.par_iter().map(meet).collect()
+    }
+}
+
+impl Measure<'_> {
+    /// The corners of eight triangles.
+    #[inline(always)]
+    fn corners(&self, triangles: &[u32; BATCH]) -> [Vector<Lanes>; 3] {
+        let mut corners = [[DVec3::ZERO; BATCH]; 3];
+        for (k, &triangle) in triangles.iter().enumerate() {
+            let [a, b, c] = self.shared.geometry.triangles[triangle as usize];
+            let position = |vertex: u32| self.shared.geometry.positions[vertex as usize];
+            (corners[0][k], corners[1][k], corners[2][k]) = (position(a), position(b), position(c));
+        }
+        [side_by_side(&corners[0]), side_by_side(&corners[1]), side_by_side(&corners[2])]
+    }
+}
+
+impl Measured {
+    /// Adds a hit near an end of its segment, or on a plane nearly parallel to it.
+    #[cold]
+    fn add(&mut self, shared: Shared, receiver: u32, triangle: u32) {
+        let corners = shared.geometry.corners(triangle);
+        match shared.segment_of(receiver).meet_inside(triangle, &corners) {
+            Meeting::Contact(contact) if contact.is_inside() => {
+                self.met.push(Met { receiver, triangle, t: contact.t });
+            }
+            _ => self.open.push(receiver),
+        }
+    }
 }
 
 /// The verdict where an edge, a vertex or a plane is met beside what lies inside.

@@ -3,7 +3,10 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use super::super::intersect::{Contact, Meeting, Segment};
+use super::super::plane::{Line, side_by_side};
 use super::super::{LightEnd, Receiver};
 use super::bins::{Bins, Block, LANES, ROWS};
 use super::frame::Frame;
@@ -13,7 +16,7 @@ use super::vertices::{Item, Vertices};
 use super::work::{Skipped, Skips, Work};
 use crate::scene::Geometry;
 use crate::simd::Kernel;
-use crate::simd::lanes::BATCH;
+use crate::simd::lanes::{BATCH, Lanes};
 
 /// What all chunks share.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +43,24 @@ impl Shared<'_> {
     pub(super) fn segment_of(&self, receiver: u32) -> Segment {
         let from = self.receivers[receiver as usize].position;
         Segment::of_scene(from, self.light.of(from), self.extent)
+    }
+
+    /// The lines of eight receivers: lane by lane those of [`Self::segment_of`].
+    #[inline(always)]
+    pub(super) fn lines_of(&self, receivers: &[u32; BATCH]) -> Line<Lanes> {
+        let mut from = [DVec3::ZERO; BATCH];
+        for k in 0..BATCH {
+            from[k] = self.receivers[receivers[k] as usize].position;
+        }
+        let from = side_by_side(&from);
+        let to = match self.light {
+            LightEnd::Point(p) => [Lanes::splat(p.x), Lanes::splat(p.y), Lanes::splat(p.z)],
+            LightEnd::Along(v) => {
+                let v = [Lanes::splat(v.x), Lanes::splat(v.y), Lanes::splat(v.z)];
+                [from[0] + v[0], from[1] + v[1], from[2] + v[2]]
+            }
+        };
+        Line::of_scene(from, &to, self.extent)
     }
 
     /// Whether a hit is certain to be at no end of its segment, by what is known now.
