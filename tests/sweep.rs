@@ -8,7 +8,7 @@ use gnomon::analysis::sweep::{
 };
 use gnomon::num::{from_ordinal, ordinal};
 use gnomon::raster::passes::Subject;
-use gnomon::raster::{NO_TRIANGLE, Pass, PolygonOffset, draw};
+use gnomon::raster::{Pass, PolygonOffset, draw};
 use gnomon::report::Profile;
 use gnomon::scene::{Case, Filter, TexelFormat, cases};
 use gnomon::shadow::bias::{Family, Strategy};
@@ -87,8 +87,7 @@ fn full_pipeline(case: &Case, field: &Field<'_>, offset: PolygonOffset, bias: f3
     let format = gnomon::raster::passes::map_depth_buffer(case);
     let pass = Pass { size: [case.map.size; 2], cull: case.map.cull, depth_buffer: format, offset };
     let raster = draw(&device, &pass, &subject.vertices.light_clip, &subject.vertices.triangles);
-    let covered = |i: usize| raster.triangle[i] != NO_TRIANGLE;
-    let map = ShadowMap::store(&device, &case.map, &raster.depth, covered);
+    let map = ShadowMap::store(&device, &case.map, raster.drawn());
     let mut wrong = [0, 0];
     for sample in &field.samples {
         let [u, v, _] = sample.coord;

@@ -9,8 +9,11 @@ mod timing;
 use gnomon::analysis::curve::Curve;
 use gnomon::analysis::measure::measure;
 use gnomon::analysis::observe::Observer;
+use gnomon::analysis::sweep::Field;
+use gnomon::analysis::sweep::pictures::Gallery;
 use gnomon::scene::{Case, cases};
-use timing::{Ways, both_ms, threads, wall_ms};
+use gnomon::shadow::bias::Strategy;
+use timing::{Ways, both_ms, cpu_ms, threads, wall_ms};
 
 const ROUNDS: usize = 5;
 
@@ -32,6 +35,19 @@ fn main() {
         pool.install(|| steps(&case, &mut ways));
     }
     ways.report(1, "cases");
+    pool.install(|| pictures(&case));
+}
+
+/// One core: every receiver classified under one bias, and the map of the classes.
+fn pictures(case: &Case) {
+    let field = Field::new(case, 1);
+    let gallery = Gallery::new(&field, case.map.texel, 1);
+    let (one, mut ways) = (threads(1), Ways::default());
+    for _ in 0..=2 * ROUNDS {
+        let picture = || gallery.picture("", Strategy::Constant, case.bias, String::new());
+        ways.add("classes and their map, one core", one.install(|| cpu_ms(picture)));
+    }
+    ways.report(field.samples.len(), "receivers");
 }
 
 fn describe(case: &Case) {

@@ -19,9 +19,7 @@ use std::process::Command;
 use glam::Vec4;
 use gnomon::depth::{DepthFormat, Packing};
 use gnomon::device::DeviceProfile;
-use gnomon::raster::{
-    NO_TRIANGLE, Pass, PolygonOffset, Raster, draw_at, draw_each, draw_into, quickest,
-};
+use gnomon::raster::{Pass, PolygonOffset, Raster, draw_at, draw_each, draw_into, quickest};
 use gnomon::scene::{Cull, DepthBuffer, Geometry, MapSpec, TexelFormat};
 use gnomon::shadow::ShadowMap;
 use gnomon::simd::Level;
@@ -127,15 +125,11 @@ fn six_formats(size: u32, clip: &[Vec4], triangles: &[[u32; 3]]) {
     let clear = [1.0; 4];
     let (depth_buffer, cull) = (DepthBuffer::Texture, Cull::None);
     let specs = SIX.map(|texel| MapSpec { size, texel, clear, depth_buffer, cull });
-    let covered = |drawn: &Raster, i: usize| drawn.triangle[i] != NO_TRIANGLE;
-    let store =
-        |spec: &MapSpec| ShadowMap::store(&device, spec, &drawn.depth, |i| covered(&drawn, i));
-    let mut maps = specs.map(|spec| store(&spec));
+    let mut maps = SIX.map(ShadowMap::empty);
+    ShadowMap::store_each(&mut maps, &device, &specs, drawn.drawn());
     let mut job = |count: usize| {
         draw_into(&mut drawn, quickest(), &device, &pass, clip, triangles);
-        for (map, spec) in maps.iter_mut().zip(&specs).take(count) {
-            map.store_again(&device, spec, &drawn.depth, |i| covered(&drawn, i));
-        }
+        ShadowMap::store_each(&mut maps[..count], &device, &specs[..count], drawn.drawn());
     };
     let one = threads(1);
     let mut ways = Ways::default();

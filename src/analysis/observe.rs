@@ -57,8 +57,7 @@ fn float_map(subject: &Subject<'_>, effort: Effort) -> (ShadowMap, Vec<u32>) {
     let own = device.depth_format(map_depth_buffer(case)) == device.depth_format(DepthFormat::F32);
     let drawn = (!(own && effort.skip)).then(|| draw_map(case, device, vertices, DepthFormat::F32));
     let raster = drawn.as_ref().unwrap_or(map_raster);
-    let covered = |i: usize| raster.triangle[i] != NO_TRIANGLE;
-    let map = ShadowMap::unquantized(case.map.size, &raster.depth, f32::INFINITY, covered);
+    let map = ShadowMap::unquantized(case.map.size, raster.drawn(), f32::INFINITY);
     let triangles = drawn.map_or_else(|| map_raster.triangle.clone(), |raster| raster.triangle);
     (map, triangles)
 }

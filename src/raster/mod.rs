@@ -23,6 +23,8 @@ mod triangle;
 use crate::depth::DepthFormat;
 use crate::device::{Device, OffsetUnit, SlopeNorm};
 use crate::scene::Cull;
+pub use crate::scene::NO_TRIANGLE;
+use crate::shadow::Drawn;
 pub use crate::shadow::bias::PolygonOffset;
 pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
@@ -30,9 +32,6 @@ pub use literal::draw_each;
 pub use plane::{Interpolator, Plane, Row, Varyings};
 pub use tiles::{draw, draw_at, draw_into, quickest};
 pub use triangle::Projected;
-
-/// No triangle covers the texel.
-pub const NO_TRIANGLE: u32 = u32::MAX;
 
 /// What a pass draws into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +57,14 @@ pub struct Raster {
     pub triangle: Vec<u32>,
     /// Triangles that covered nothing (culled, without area, between pixel centres, clipped away).
     pub empty_triangles: u64,
+}
+
+impl Raster {
+    /// What a map is stored from.
+    #[must_use]
+    pub fn drawn(&self) -> Drawn<'_> {
+        Drawn { depth: &self.depth, triangle: &self.triangle }
+    }
 }
 
 /// A triangle ready to be drawn.

@@ -1,6 +1,6 @@
 //! A case on a device: its map pass and its camera pass, ready to be looked up pixel by pixel.
 
-use super::{Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, Setup, draw};
+use super::{Interpolator, Pass, PolygonOffset, Projected, Raster, Setup, draw};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::scene::{Case, DepthBuffer, MatrixChain, Stages, TexelFormat};
@@ -95,8 +95,7 @@ impl<'a> Subject<'a> {
     pub fn draw(case: &'a Case, device: &Device) -> Self {
         let vertices = Transformed::new(case, case.chain, device);
         let map_raster = draw_map(case, device, &vertices, map_depth_buffer(case));
-        let covered = |i: usize| map_raster.triangle[i] != NO_TRIANGLE;
-        let map = ShadowMap::store(device, &case.map, &map_raster.depth, covered);
+        let map = ShadowMap::store(device, &case.map, map_raster.drawn());
         let canvas = draw_canvas(case, device, &vertices, DepthFormat::Unorm24);
         Self { case, device: *device, vertices, map_raster, map, canvas }
     }

@@ -31,6 +31,9 @@ pub struct Geometry {
     pub object: Vec<u16>,
 }
 
+/// The id of no triangle: nothing was drawn.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
 impl Geometry {
     /// The three corners of triangle `id`.
     #[must_use]

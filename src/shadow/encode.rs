@@ -1,52 +1,78 @@
 //! Storing whole maps: many depths at a time, bit for bit what the device stores of each.
 #![allow(clippy::needless_range_loop, reason = "loops over indices become vectors")]
 
+use super::Drawn;
 use crate::depth::packing::{Pair, PairVisitor};
 use crate::depth::{DepthFormat, Packing, UnormLoad, UnormStore};
 use crate::device::Device;
+use crate::scene::NO_TRIANGLE;
 use crate::simd::{Kernel, Level};
 use rayon::prelude::*;
 
-/// Depths that a thread stores at a time: they stay in its cache.
-pub(super) const RUN: usize = 1 << 13;
+/// Texels that a thread stores at a time: they stay in its cache.
+pub(super) const RUN: usize = 1 << 12;
 
-/// Depths as they come back from texels of `format`: [`Device::stored_depth`] of each.
-pub(super) fn depths(device: &Device, format: DepthFormat, depth: &[f32], out: &mut Vec<f32>) {
-    let how = Stored::new(device, format);
-    resized(out, depth.len(), 0.0);
-    out.par_chunks_mut(RUN).zip(depth.par_chunks(RUN)).for_each(|(out, depth)| match how {
-        Some(how) => Level::best().run(Depths { how, depth, out }),
-        None => {
-            let stored = depth.iter().map(|&z| device.stored_depth(format, z));
-            out.iter_mut().zip(stored).for_each(|(out, z)| *out = z);
+/// Where depths are stored, and how.
+pub(super) enum Store<'a> {
+    /// As they come back from texels of `format`: [`Device::stored_depth`] of each.
+    Depths { format: DepthFormat, out: &'a mut Vec<f32> },
+    /// As the bytes of packed texels, `clear` where nothing was drawn.
+    Bytes { packing: Packing, clear: [u8; 4], out: &'a mut Vec<[u8; 4]> },
+}
+
+/// A run of texels of a [`Store`].
+enum Part<'a> {
+    Depths(DepthFormat, &'a mut [f32]),
+    Bytes(Packing, [u8; 4], &'a mut [[u8; 4]]),
+}
+
+/// Stores what was drawn in several ways, run by run.
+pub(super) fn store(device: &Device, stores: Vec<Store>, drawn: Drawn) {
+    let len = drawn.depth.len();
+    let mut runs: Vec<Vec<Part>> = Vec::new();
+    runs.resize_with(len.div_ceil(RUN), || Vec::with_capacity(stores.len()));
+    for store in stores {
+        match store {
+            Store::Depths { format, out } => {
+                let parts = resized(out, len, 0.0).chunks_mut(RUN);
+                runs.iter_mut().zip(parts).for_each(|(run, x)| run.push(Part::Depths(format, x)));
+            }
+            Store::Bytes { packing, clear, out } => {
+                let parts = resized(out, len, [0; 4]).chunks_mut(RUN);
+                let part = |x| Part::Bytes(packing, clear, x);
+                runs.iter_mut().zip(parts).for_each(|(run, x)| run.push(part(x)));
+            }
         }
+    }
+    let drawn = drawn.depth.par_chunks(RUN).zip(drawn.triangle.par_chunks(RUN));
+    runs.into_par_iter().zip(drawn).for_each(|(parts, (depth, triangle))| {
+        parts.into_iter().for_each(|part| part.store(device, Drawn { depth, triangle }));
     });
 }
 
-/// The bytes of texels that hold `depth` where they are `covered`, else `clear`.
-pub(super) fn bytes(
-    device: &Device,
-    packing: Packing,
-    depth: &[f32],
-    clear: [u8; 4],
-    covered: impl Fn(usize) -> bool + Sync,
-    out: &mut Vec<[u8; 4]>,
-) {
-    resized(out, depth.len(), [0; 4]);
-    let runs = out.par_chunks_mut(RUN).zip(depth.par_chunks(RUN)).enumerate();
-    runs.for_each(|(run, (out, depth))| {
-        packing.with_pair(Packed { device, depth, out: &mut *out });
-        for (k, texel) in out.iter_mut().enumerate() {
-            *texel = if covered(run * RUN + k) { *texel } else { clear };
+impl Part<'_> {
+    fn store(self, device: &Device, drawn: Drawn) {
+        match self {
+            Self::Bytes(packing, clear, out) => {
+                packing.with_pair(Packed { device, drawn, clear, out });
+            }
+            Self::Depths(format, out) => match Stored::new(device, format) {
+                Some(how) => Level::best().run(Depths { how, depth: drawn.depth, out }),
+                None => {
+                    let stored = drawn.depth.iter().map(|&z| device.stored_depth(format, z));
+                    out.iter_mut().zip(stored).for_each(|(out, z)| *out = z);
+                }
+            },
         }
-    });
+    }
 }
 
 /// A list of so many items; its memory is used again.
-pub(super) fn resized<T: Copy>(list: &mut Vec<T>, len: usize, zero: T) {
+pub(super) fn resized<T: Copy>(list: &mut Vec<T>, len: usize, zero: T) -> &mut [T] {
     if list.len() != len {
         *list = vec![zero; len];
     }
+    list
 }
 
 /// How a depth is stored and read back, without a branch on the way.
@@ -191,7 +217,8 @@ fn float<const DROPPED: u32>(depth: &[f32], out: &mut [f32], least: f32) {
 /// Packs depths through a pair that is known when it is compiled.
 struct Packed<'a> {
     device: &'a Device,
-    depth: &'a [f32],
+    drawn: Drawn<'a>,
+    clear: [u8; 4],
     out: &'a mut [[u8; 4]],
 }
 
@@ -199,22 +226,18 @@ impl PairVisitor for Packed<'_> {
     type Output = ();
 
     fn visit<P: Pair + 'static>(self, pair: P) {
-        let Self { device, depth, out } = self;
-        let least = least(device.flush_denormals);
-        match device.store {
-            UnormStore::Exact => Level::best().run(Bytes::<P, 0> { pair, least, depth, out }),
-            UnormStore::HalfEven => Level::best().run(Bytes::<P, 1> { pair, least, depth, out }),
-            UnormStore::HalfUp => Level::best().run(Bytes::<P, 2> { pair, least, depth, out }),
-            UnormStore::Truncate => Level::best().run(Bytes::<P, 3> { pair, least, depth, out }),
+        match self.device.store {
+            UnormStore::Exact => Level::best().run(Bytes::<P, 0> { pair, job: self }),
+            UnormStore::HalfEven => Level::best().run(Bytes::<P, 1> { pair, job: self }),
+            UnormStore::HalfUp => Level::best().run(Bytes::<P, 2> { pair, job: self }),
+            UnormStore::Truncate => Level::best().run(Bytes::<P, 3> { pair, job: self }),
         }
     }
 }
 
 struct Bytes<'a, P, const STORE: u8> {
     pair: P,
-    least: f32,
-    depth: &'a [f32],
-    out: &'a mut [[u8; 4]],
+    job: Packed<'a>,
 }
 
 /// Texels packed at a time.
@@ -225,17 +248,21 @@ impl<P: Pair, const STORE: u8> Kernel for Bytes<'_, P, STORE> {
 
     #[inline(always)]
     fn run(self, has_fma: bool) {
-        let runs = self.depth.chunks(LANES).zip(self.out.chunks_mut(LANES));
-        for (depth, out) in runs {
-            let mut z = [0.0; LANES];
+        let Packed { device, drawn, clear, out } = self.job;
+        let (least, clear) = (least(device.flush_denormals), u32::from_le_bytes(clear));
+        let drawn = drawn.depth.chunks(LANES).zip(drawn.triangle.chunks(LANES));
+        for ((depth, triangle), out) in drawn.zip(out.chunks_mut(LANES)) {
+            let (mut z, mut ids) = ([0.0; LANES], [0; LANES]);
             z[..depth.len()].copy_from_slice(depth);
+            ids[..depth.len()].copy_from_slice(triangle);
             let mut texels = [0_u32; LANES];
             for k in 0..LANES {
                 let [r, g, b, a] = self.pair.pack(z[k]);
-                let (r, g) = (clamped(r, self.least), clamped(g, self.least));
-                let (b, a) = (clamped(b, self.least), clamped(a, self.least));
+                let (r, g) = (clamped(r, least), clamped(g, least));
+                let (b, a) = (clamped(b, least), clamped(a, least));
                 let low = byte::<STORE>(r, has_fma) | byte::<STORE>(g, has_fma) << 8;
-                texels[k] = low | byte::<STORE>(b, has_fma) << 16 | byte::<STORE>(a, has_fma) << 24;
+                let high = byte::<STORE>(b, has_fma) << 16 | byte::<STORE>(a, has_fma) << 24;
+                texels[k] = if ids[k] == NO_TRIANGLE { clear } else { low | high };
             }
             for (out, texel) in out.iter_mut().zip(texels) {
                 *out = texel.to_le_bytes();
@@ -271,13 +298,19 @@ mod tests {
         })
     }
 
+    /// Every fifth of the samples was not drawn.
+    fn ids(samples: &[f32]) -> Vec<u32> {
+        (0..samples.len()).map(|i| if i % 5 == 3 { NO_TRIANGLE } else { i as u32 }).collect()
+    }
+
     #[test]
     fn many_depths_are_stored_like_one() {
         let samples = samples();
+        let drawn = Drawn { depth: &samples, triangle: &ids(&samples) };
         for device in devices() {
             for &format in DepthFormat::ALL {
                 let mut out = Vec::new();
-                depths(&device, format, &samples, &mut out);
+                store(&device, vec![Store::Depths { format, out: &mut out }], drawn);
                 for (&z, found) in samples.iter().zip(out) {
                     let one = device.stored_depth(format, z);
                     assert_eq!(found.to_bits(), one.to_bits(), "{format} of {z:e}, {device:?}");
@@ -299,10 +332,12 @@ mod tests {
     #[test]
     fn many_texels_are_packed_like_one() {
         let samples = samples();
+        let drawn = Drawn { depth: &samples, triangle: &ids(&samples) };
         for device in devices() {
             for &packing in Packing::ALL {
                 let mut out = Vec::new();
-                bytes(&device, packing, &samples, [9; 4], |i| i % 5 != 3, &mut out);
+                let bytes = Store::Bytes { packing, clear: [9; 4], out: &mut out };
+                store(&device, vec![bytes], drawn);
                 for (i, (&z, found)) in samples.iter().zip(out).enumerate() {
                     let one = stored_bytes(&device, packing.pack(z));
                     let expected = if i % 5 == 3 { [9; 4] } else { one };

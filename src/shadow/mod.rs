@@ -13,12 +13,13 @@ pub mod sampler;
 
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
-use crate::scene::{MapSpec, TexelFormat};
+use crate::scene::{MapSpec, NO_TRIANGLE, TexelFormat};
 pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth, read};
 pub use footprint::{Footprint, Footprints, Mix, Offset, Sampling, Tap};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 use rayon::prelude::*;
+use std::slice;
 
 /// Stored texels, row by row from the bottom.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,30 @@ enum Memory {
     Bytes(Vec<[u8; 4]>),
     /// Depths as the sampler returns them.
     Depths(Vec<f32>),
+}
+
+impl Memory {
+    /// Where and how depths are to be stored.
+    fn storing(&mut self, device: &Device, spec: &MapSpec) -> encode::Store<'_> {
+        match (self, spec.texel) {
+            (Self::Bytes(out), TexelFormat::Packed(packing)) => {
+                encode::Store::Bytes { packing, clear: stored_bytes(device, spec.clear), out }
+            }
+            (Self::Depths(out), TexelFormat::Depth(format)) => {
+                encode::Store::Depths { format, out }
+            }
+            _ => unreachable!("the memory of a map fits its format"),
+        }
+    }
+}
+
+/// What a pass drew, texel by texel.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<'a> {
+    /// Window depths; 1 where nothing was drawn.
+    pub depth: &'a [f32],
+    /// Triangles, or [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
+    pub triangle: &'a [u32],
 }
 
 /// A square shadow map as it lies in memory.
@@ -38,54 +63,46 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// Stores the depths of a drawn pass; `covered` tells drawn texels from cleared ones.
+    /// Stores the depths of a drawn pass, 1 where it drew [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
     #[must_use]
-    pub fn store(
-        device: &Device,
-        spec: &MapSpec,
-        depth: &[f32],
-        covered: impl Fn(usize) -> bool + Sync,
-    ) -> Self {
-        let texels = match spec.texel {
-            TexelFormat::Packed(_) => Memory::Bytes(Vec::new()),
-            TexelFormat::Depth(_) => Memory::Depths(Vec::new()),
-        };
-        let mut map = Self { size: spec.size, format: spec.texel, texels };
-        map.store_again(device, spec, depth, covered);
+    pub fn store(device: &Device, spec: &MapSpec, drawn: Drawn) -> Self {
+        let mut map = Self::empty(spec.texel);
+        Self::store_each(slice::from_mut(&mut map), device, slice::from_ref(spec), drawn);
         map
     }
 
-    /// [`Self::store`] over an older map, whose memory is used again.
-    pub fn store_again(
-        &mut self,
-        device: &Device,
-        spec: &MapSpec,
-        depth: &[f32],
-        covered: impl Fn(usize) -> bool + Sync,
-    ) {
-        (self.size, self.format) = (spec.size, spec.texel);
-        match (spec.texel, &mut self.texels) {
-            (TexelFormat::Packed(packing), Memory::Bytes(bytes)) => {
-                let clear = stored_bytes(device, spec.clear);
-                encode::bytes(device, packing, depth, clear, covered, bytes);
+    /// [`Self::store`] under several formats at once, over older maps, whose memory is used again. What
+    /// was drawn is read once for all.
+    ///
+    /// # Panics
+    /// Unless there are as many maps as specifications.
+    pub fn store_each(maps: &mut [Self], device: &Device, specs: &[MapSpec], drawn: Drawn) {
+        assert_eq!(maps.len(), specs.len(), "a map for each specification");
+        let stores = maps.iter_mut().zip(specs).map(|(map, spec)| {
+            if map.format != spec.texel {
+                *map = Self::empty(spec.texel);
             }
-            (TexelFormat::Depth(format), Memory::Depths(depths)) => {
-                encode::depths(device, format, depth, depths);
-            }
-            _ => *self = Self::store(device, spec, depth, covered),
-        }
+            map.size = spec.size;
+            map.texels.storing(device, spec)
+        });
+        encode::store(device, stores.collect(), drawn);
+    }
+
+    /// A map without texels.
+    #[must_use]
+    pub const fn empty(format: TexelFormat) -> Self {
+        let texels = match format {
+            TexelFormat::Packed(_) => Memory::Bytes(Vec::new()),
+            TexelFormat::Depth(_) => Memory::Depths(Vec::new()),
+        };
+        Self { size: 0, format, texels }
     }
 
     /// A map of ideal precision: the raster's own f32 depths, cleared to `clear`.
     #[must_use]
-    pub fn unquantized(
-        size: u32,
-        depth: &[f32],
-        clear: f32,
-        covered: impl Fn(usize) -> bool + Sync,
-    ) -> Self {
-        let texel = |(i, &z): (usize, &f32)| if covered(i) { z } else { clear };
-        let depths = depth.par_iter().enumerate().map(texel).collect();
+    pub fn unquantized(size: u32, drawn: Drawn, clear: f32) -> Self {
+        let texel = |(&z, &id): (&f32, &u32)| if id == NO_TRIANGLE { clear } else { z };
+        let depths = drawn.depth.par_iter().zip(drawn.triangle).map(texel).collect();
         Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Memory::Depths(depths) }
     }
 
@@ -173,24 +190,21 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Stores depths that were drawn where they are `covered`, and are 1 where they are not.
+    /// Stores what a pass drew.
     #[must_use]
-    pub fn new(
-        device: &Device,
-        spec: &MapSpec,
-        drawn: &[f32],
-        covered: impl Fn(usize) -> bool + Sync,
-    ) -> Self {
-        let (mut depths, mut bytes) = (Vec::new(), Vec::new());
-        match spec.texel {
-            TexelFormat::Depth(format) => encode::depths(device, format, drawn, &mut depths),
-            TexelFormat::Packed(packing) => {
-                let clear = stored_bytes(device, spec.clear);
-                encode::bytes(device, packing, drawn, clear, covered, &mut bytes);
+    pub fn new(device: &Device, spec: &MapSpec, drawn: Drawn) -> Self {
+        let mut texels = ShadowMap::empty(spec.texel).texels;
+        encode::store(device, vec![texels.storing(device, spec)], drawn);
+        let (depths, bytes) = match (texels, spec.texel) {
+            (Memory::Bytes(bytes), TexelFormat::Packed(packing)) => {
+                let mut depths = Vec::new();
                 decode::loaded(device, packing, &bytes, &mut depths);
+                (depths, bytes)
             }
-        }
-        let error = decode::error(drawn, &depths);
+            (Memory::Depths(depths), _) => (depths, Vec::new()),
+            (Memory::Bytes(_), TexelFormat::Depth(_)) => unreachable!("bytes belong to packings"),
+        };
+        let error = decode::error(drawn.depth, &depths);
         Self { depths, bytes, error }
     }
 }

@@ -13,7 +13,7 @@ use crate::scene::{
     TexelFormat, Wrap,
 };
 use crate::shadow::sampler::nearest_texel;
-use crate::shadow::{ShadowMap, visibility};
+use crate::shadow::{Drawn, ShadowMap, visibility};
 use crate::view::{Projection, View};
 use glam::{DMat3, DVec3, Mat4, Vec4};
 
@@ -35,7 +35,9 @@ fn uniform_map(depth: f32) -> ShadowMap {
         depth_buffer: DepthBuffer::Texture,
         cull: Cull::None,
     };
-    ShadowMap::store(&device(), &spec, &vec![depth; (SIZE * SIZE) as usize], |_| true)
+    let texels = (SIZE * SIZE) as usize;
+    let (depth, triangle) = (vec![depth; texels], vec![0; texels]);
+    ShadowMap::store(&device(), &spec, Drawn { depth: &depth, triangle: &triangle })
 }
 
 fn lookup(range_test: bool, wrap: Wrap) -> LookupSpec {

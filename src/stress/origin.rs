@@ -7,7 +7,6 @@ use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
 use crate::light::Light;
 use crate::num::exp2;
-use crate::raster::NO_TRIANGLE;
 use crate::raster::passes::{Transformed, draw_map, map_depth_buffer};
 use crate::report::Scale;
 use crate::scene::{Case, CompareRule, MatrixChain, cases::analytic};
@@ -172,8 +171,7 @@ fn critical(d: f64) -> f64 {
     let device = case.device.device();
     let vertices = Transformed::new(&case, case.chain, &device);
     let raster = draw_map(&case, &device, &vertices, map_depth_buffer(&case));
-    let drawn = |t: usize| raster.triangle[t] != NO_TRIANGLE;
-    let map = ShadowMap::store(&device, &case.map, &raster.depth, drawn);
+    let map = ShadowMap::store(&device, &case.map, raster.drawn());
     let size = case.map.size as usize;
     // Texels whose corners lie on the plane where nothing has moved.
     let inside = |t: &usize| [t % size, t / size].iter().all(|c| (4..60).contains(c));

@@ -61,11 +61,6 @@ impl Contact {
 }
 
 impl Segment {
-    /// A segment whose start is known within `blur` per axis.
-    pub(super) fn new(from: DVec3, to: DVec3, blur: f64) -> Self {
-        Self { from, to, along: to - from, blur }
-    }
-
     /// The segment of a receiver of a scene whose largest |coordinate| is `extent`.
     pub(super) fn of_scene(from: DVec3, to: DVec3, extent: f64) -> Self {
         let line = Line::of_scene(from.to_array(), &to.to_array(), extent);

@@ -110,8 +110,7 @@ impl<T: Real> Line<T> {
         let slope_error = number(FILTER) * dot(&rough, &size(&self.along));
         let t = height / slope;
         let certain = slope.magnitude() - slope_error;
-        let error = (height_error + t.magnitude() * slope_error) / certain
-            * number(1.0 + 16.0 * U)
+        let error = (height_error + t.magnitude() * slope_error) / certain * number(1.0 + 16.0 * U)
             + number(2.0 * U) * t.magnitude();
         Place { t, error, slope, certain }
     }

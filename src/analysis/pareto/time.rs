@@ -4,8 +4,8 @@
 use super::algorithms::Way;
 use super::cost::Cost;
 use crate::depth::{DepthFormat, Packing};
+use crate::raster::Raster;
 use crate::raster::passes::{Transformed, draw_map, map_depth_buffer};
-use crate::raster::{NO_TRIANGLE, Raster};
 use crate::scene::{Case, Filter, TexelFormat};
 use crate::shadow::bias::Strategy;
 use crate::shadow::{ShadowMap, visibility};
@@ -40,8 +40,7 @@ fn map_texel(case: &Case, vertices: &Transformed, format: TexelFormat) -> (f64, 
     own.map = crate::analysis::sweep::chart::map_spec(&case.map, case.map.size, format);
     let draw = || draw_map(&own, &device, vertices, map_depth_buffer(&own));
     let drawn = draw();
-    let covered = |i: usize| drawn.triangle[i] != NO_TRIANGLE;
-    let store = || ShadowMap::store(&device, &own.map, &drawn.depth, covered);
+    let store = || ShadowMap::store(&device, &own.map, drawn.drawn());
     let texels = f64::from(own.map.size) * f64::from(own.map.size);
     let (draw_ns, store_ns) = (seconds(draw) * 1e9 / texels, seconds(store) * 1e9 / texels);
     (draw_ns, store_ns, drawn)
@@ -78,8 +77,7 @@ pub fn times(case: &Case, filters: &[Filter], ways: &[Way]) -> Value {
         maps.push(json!({ "format": format.name(), "size": case.map.size,
             "draw_ns_per_texel": draw_ns, "store_ns_per_texel": store_ns }));
         let spec = crate::analysis::sweep::chart::map_spec(&case.map, case.map.size, format);
-        let covered = |i: usize| drawn.triangle[i] != NO_TRIANGLE;
-        let map = ShadowMap::store(&device, &spec, &drawn.depth, covered);
+        let map = ShadowMap::store(&device, &spec, drawn.drawn());
         for &filter in filters {
             let cost = Cost::of(format, case.map.size, filter, Strategy::Constant);
             lookups.push(json!({ "format": format.name(), "filter": filter.name(),

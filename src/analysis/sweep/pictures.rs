@@ -5,6 +5,7 @@ use super::evaluate::Taps;
 use super::field::Field;
 use super::looks::Looks;
 use super::tally::Kind;
+use super::wrong::Formatted;
 use crate::report::{Colour, ExrImage, Picture};
 use crate::scene::TexelFormat;
 use crate::shadow::bias::Strategy;
@@ -22,12 +23,20 @@ pub const fn colour(kind: Kind) -> Colour {
     }
 }
 
+/// Gives a pixel a colour.
+fn paint(rgb: &mut [u8], place: u32, colour: Colour) {
+    rgb[3 * place as usize..][..3].copy_from_slice(&colour.rgb());
+}
+
 /// The receivers of a case under one map, format and strategy, ready to be pictured.
 #[derive(Debug)]
 pub struct Gallery<'f, 'a> {
     chart: Chart<'f, 'a>,
-    format: TexelFormat,
+    format: Formatted,
     step: u32,
+    /// The picture of a map that is never wrong, and where on it each receiver is.
+    right: Vec<u8>,
+    places: Vec<u32>,
 }
 
 /// The comparisons and tap biases of every receiver at one amount.
@@ -43,7 +52,15 @@ impl<'f, 'a> Gallery<'f, 'a> {
         let case = field.case();
         let filter = usable_filter(case.lookup.filter, format);
         let chart = Chart::new(field, case.map.size, filter, Attachment::of(format));
-        Self { chart, format, step }
+        let [width, height] = case.canvas.map(|n| n.div_ceil(step));
+        // The top row comes first.
+        let place = |[x, y]: [u32; 2]| (height - 1 - y / step) * width + x / step;
+        let places: Vec<u32> = field.samples.iter().map(|sample| place(sample.pixel)).collect();
+        let mut right: Vec<u8> = Colour::Light.rgb().repeat((width * height) as usize);
+        for (sample, &place) in field.samples.iter().zip(&places) {
+            paint(&mut right, place, if sample.lit { Colour::White } else { Colour::Grey });
+        }
+        Self { format: chart.formatted(format), chart, step, right, places }
     }
 
     fn size(&self) -> [u32; 2] {
@@ -51,39 +68,25 @@ impl<'f, 'a> Gallery<'f, 'a> {
     }
 
     fn shown(&self, strategy: Strategy, amount: f32) -> Shown {
-        let weights = self.chart.weights(self.format);
-        let looks = self.chart.looks(self.format, &strategy.with(amount));
-        let taps = Taps::new(strategy, &weights);
+        let looks = self.chart.looks(self.format.texel, &strategy.with(amount));
+        let taps = Taps::new(strategy, &self.format.weights);
         Shown { bias: (0..looks.len()).map(|i| taps.bias(i, amount)).collect(), looks }
-    }
-
-    /// Index of a pixel in a picture whose top row comes first.
-    fn place(&self, pixel: [u32; 2]) -> usize {
-        let [width, height] = self.size();
-        let (x, y) = (pixel[0] / self.step, pixel[1] / self.step);
-        ((height - 1 - y) * width + x) as usize
     }
 
     /// The classified picture at one amount: white truly lit and right, grey truly shadowed and right.
     #[must_use]
     pub fn picture(&self, id: &str, strategy: Strategy, amount: f32, caption: String) -> Picture {
         let [width, height] = self.size();
-        let rule = self.chart.field.case().lookup.compare;
-        let shown = self.shown(strategy, amount);
-        let mut rgb: Vec<u8> = Colour::Light.rgb().repeat((width * height) as usize);
-        let mut wrong = 0u32;
-        for ((sample, looks), &bias) in
-            self.chart.field.samples.iter().zip(&shown.looks).zip(&shown.bias)
-        {
-            let kind = looks.verdict(rule, bias).0;
-            wrong += u32::from(kind.is_some());
-            let right = if sample.lit { Colour::White } else { Colour::Grey };
-            let at = 3 * self.place(sample.pixel);
-            rgb[at..at + 3].copy_from_slice(&kind.map_or(right, colour).rgb());
+        let recipe = strategy.with(amount);
+        let found = self.chart.wrong(&[&self.format], &recipe, &self.chart.all());
+        let (mut rgb, mut count) = (self.right.clone(), 0);
+        for wrong in found.iter().flatten() {
+            paint(&mut rgb, self.places[wrong.receiver as usize], colour(wrong.kind));
+            count += 1;
         }
         Picture {
             id: id.to_string(),
-            alt: format!("{strategy} at {amount:e}: {wrong} wrong receivers"),
+            alt: format!("{strategy} at {amount:e}: {count} wrong receivers"),
             caption,
             width,
             height,
@@ -115,16 +118,14 @@ impl<'f, 'a> Gallery<'f, 'a> {
         let shown = self.shown(strategy, amount);
         let names = ["depth.receiver.Z", "depth.stored.Z", "margin.Y", "class.Y", "truth.Y"];
         let mut layers = vec![vec![f32::NAN; (width * height) as usize]; names.len()];
-        for ((sample, looks), &bias) in
-            self.chart.field.samples.iter().zip(&shown.looks).zip(&shown.bias)
-        {
-            let at = self.place(sample.pixel);
+        let shown = shown.looks.iter().zip(&shown.bias).zip(&self.places);
+        for (sample, ((looks, &bias), &at)) in self.chart.field.samples.iter().zip(shown) {
             let Some(look) = looks.taps.get(looks.centre) else { continue };
             let kind = looks.verdict(rule, bias).0.map_or(0, |k| k as i32 + 1);
             let values =
                 [look.z, look.stored, look.z - look.stored, kind as f32, f32::from(sample.lit)];
             for (layer, value) in layers.iter_mut().zip(values) {
-                layer[at] = value;
+                layer[at as usize] = value;
             }
         }
         let kinds: Vec<_> = Kind::ALL.iter().map(|k| k.name()).collect();
@@ -135,7 +136,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
             channels: names.iter().map(|n| (*n).to_string()).zip(layers).collect(),
             metadata: json!({
                 "case": self.chart.field.case().name,
-                "format": self.format.name(),
+                "format": self.format.texel.name(),
                 "strategy": strategy.name(),
                 "amount": amount,
                 "unit": strategy.unit(),

@@ -103,8 +103,8 @@ impl Chart<'_, '_> {
     }
 
     fn stored(&self, texel: TexelFormat, drawn: &Drawn<'_>) -> Stored {
-        let covered = |place: usize| drawn.triangle[place] != NO_TRIANGLE;
-        Stored::new(self.device(), &self.spec(texel), &drawn.depth, covered)
+        let drawn = shadow::Drawn { depth: &drawn.depth, triangle: &drawn.triangle };
+        Stored::new(self.device(), &self.spec(texel), drawn)
     }
 }
 

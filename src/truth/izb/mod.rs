@@ -13,8 +13,8 @@
 //! Skipped are only triangles with no receiver in their rows and columns, triangles farther from the
 //! light than all receivers there, and hits that lie, by more than their bounds, between others.
 //!
-//! Memory: 16 bytes a vertex and about 45 a receiver (16 of its block, 8 of what is known about its
-//! occluders, 4 each of its order, its column, its state and its answer; more where rows are short),
+//! Memory: 16 bytes a vertex and about 40 a receiver (16 of its block, 8 of what is known about its
+//! occluders, 4 each of its order, its column and its answer; more where rows are short),
 //! 40 for each answer that is not *lit*; nothing a triangle.
 
 mod bins;

@@ -203,12 +203,7 @@ impl Measured {
 }
 
 /// The verdict where an edge, a vertex or a plane is met beside what lies inside.
-fn with_marginal(
-    shared: Shared,
-    place: u32,
-    state: &State,
-    group: &[&(u32, Contact)],
-) -> Truth {
+fn with_marginal(shared: Shared, place: u32, state: &State, group: &[&(u32, Contact)]) -> Truth {
     let segment = shared.segment(place);
     let corners = |id| shared.geometry.corners(id);
     let mut contacts = Contacts::default();

@@ -193,7 +193,14 @@ impl Chunk<'_> {
 
     /// Those of a block's receivers that the triangle may shadow or touch.
     #[inline(always)]
-    fn candidates(&mut self, id: u32, plane: &Plane, block: &Block, first: usize, lanes: Range<usize>) {
+    fn candidates(
+        &mut self,
+        id: u32,
+        plane: &Plane,
+        block: &Block,
+        first: usize,
+        lanes: Range<usize>,
+    ) {
         let tests = Tests::new(plane, block);
         for lane in lanes {
             let (inside, nearer) = (tests.inside[lane], tests.nearer[lane]);
