@@ -248,27 +248,42 @@ impl<P: Pair, const STORE: u8> Kernel for Bytes<'_, P, STORE> {
 
     #[inline(always)]
     fn run(self, has_fma: bool) {
-        let Packed { device, drawn, clear, out } = self.job;
-        let (least, clear) = (least(device.flush_denormals), u32::from_le_bytes(clear));
-        let drawn = drawn.depth.chunks(LANES).zip(drawn.triangle.chunks(LANES));
-        for ((depth, triangle), out) in drawn.zip(out.chunks_mut(LANES)) {
-            let (mut z, mut ids) = ([0.0; LANES], [0; LANES]);
-            z[..depth.len()].copy_from_slice(depth);
-            ids[..depth.len()].copy_from_slice(triangle);
-            let mut texels = [0_u32; LANES];
-            for k in 0..LANES {
-                let [r, g, b, a] = self.pair.pack(z[k]);
-                let (r, g) = (clamped(r, least), clamped(g, least));
-                let (b, a) = (clamped(b, least), clamped(a, least));
-                let low = byte::<STORE>(r, has_fma) | byte::<STORE>(g, has_fma) << 8;
-                let high = byte::<STORE>(b, has_fma) << 16 | byte::<STORE>(a, has_fma) << 24;
-                texels[k] = if ids[k] == NO_TRIANGLE { clear } else { low | high };
-            }
-            for (out, texel) in out.iter_mut().zip(texels) {
-                *out = texel.to_le_bytes();
-            }
+        let Self { pair, job: Packed { device, drawn, clear, out } } = self;
+        let least = least(device.flush_denormals);
+        let (depths, last_depths) = drawn.depth.as_chunks::<LANES>();
+        let (ids, last_ids) = drawn.triangle.as_chunks::<LANES>();
+        let (texels, last_texels) = out.as_chunks_mut::<LANES>();
+        for ((depths, ids), texels) in depths.iter().zip(ids).zip(texels) {
+            *texels = packed::<P, STORE>(&pair, depths, ids, least, clear, has_fma);
         }
+        let (mut depths, mut ids, last) = ([0.0; LANES], [0; LANES], last_texels.len());
+        depths[..last].copy_from_slice(last_depths);
+        ids[..last].copy_from_slice(last_ids);
+        let texels = packed::<P, STORE>(&pair, &depths, &ids, least, clear, has_fma);
+        last_texels.copy_from_slice(&texels[..last]);
     }
+}
+
+/// Some texels of a pass, packed; `clear` where nothing was drawn.
+#[inline(always)]
+fn packed<P: Pair, const STORE: u8>(
+    pair: &P,
+    depths: &[f32; LANES],
+    ids: &[u32; LANES],
+    least: f32,
+    clear: [u8; 4],
+    has_fma: bool,
+) -> [[u8; 4]; LANES] {
+    let (mut texels, clear) = ([[0; 4]; LANES], u32::from_le_bytes(clear));
+    for k in 0..LANES {
+        let [r, g, b, a] = pair.pack(depths[k]);
+        let (r, g) = (clamped(r, least), clamped(g, least));
+        let (b, a) = (clamped(b, least), clamped(a, least));
+        let low = byte::<STORE>(r, has_fma) | byte::<STORE>(g, has_fma) << 8;
+        let high = byte::<STORE>(b, has_fma) << 16 | byte::<STORE>(a, has_fma) << 24;
+        texels[k] = if ids[k] == NO_TRIANGLE { clear } else { low | high }.to_le_bytes();
+    }
+    texels
 }
 
 #[cfg(test)]

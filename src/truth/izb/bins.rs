@@ -38,6 +38,20 @@ impl Block {
         depth: [f32::INFINITY; LANES],
         own: [u32::MAX; LANES],
     };
+
+    /// The smallest depth, found by halves.
+    #[inline(always)]
+    pub(super) fn least_depth(&self) -> f32 {
+        let (mut least, mut half) = (self.depth, LANES / 2);
+        while half > 0 {
+            for k in 0..half {
+                let other = least[k + half];
+                least[k] = if other < least[k] { other } else { least[k] };
+            }
+            half /= 2;
+        }
+        least[0]
+    }
 }
 
 /// The row of a grid position: it grows with the position.

@@ -273,8 +273,7 @@ impl Job<'_> {
             *start = start.wrapping_add(self.extent.first);
         }
         for (farthest, block) in self.farthest.iter_mut().zip(&*blocks) {
-            let least = block.depth.iter().fold(f32::INFINITY, |m, &d| if d < m { d } else { m });
-            *farthest = farther(least);
+            *farthest = farther(block.least_depth());
         }
     }
 }
