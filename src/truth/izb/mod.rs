@@ -47,8 +47,11 @@ pub use work::{Skips, Work};
 /// alike, and better than 1, 2 and 4, on a terrain of a million triangles.
 const PER_CELL: usize = 16;
 
-/// Triangles of one job of a thread.
-const CHUNK: u32 = 1 << 14;
+/// A scene is swept in so many chunks of triangles, if they are within [`CHUNK`].
+const CHUNKS: u32 = 64;
+
+/// Fewest and most triangles of a chunk.
+const CHUNK: [u32; 2] = [1 << 6, 1 << 14];
 
 /// How the raster is run; no answer depends on it.
 #[derive(Clone, Copy, Debug)]
@@ -233,13 +236,17 @@ impl Job<'_> {
         settle::settle(shared, &found, answers, self.options.level)
     }
 
-    /// Runs all triangles, in chunks side by side.
+    /// Runs all triangles, in chunks side by side. Chunks that follow each other are far apart in the
+    /// scene: layers often come in their order, and then each would be nearer to an end than all before.
     fn sweep(&self, shared: Shared) -> Vec<Found> {
         let (count, level) = (self.geometry.triangles.len() as u32, self.options.level);
+        let chunk = (count / CHUNKS).clamp(CHUNK[0], CHUNK[1]);
+        let mut order: Vec<u32> = (0..count.div_ceil(chunk)).collect();
+        order.sort_by_key(|k| k.reverse_bits());
         let run = |k: u32| {
-            let ids = k * CHUNK..((k + 1) * CHUNK).min(count);
+            let ids = k * chunk..((k + 1) * chunk).min(count);
             level.run(Chunk { shared, ids, found: Found::default() })
         };
-        (0..count.div_ceil(CHUNK)).into_par_iter().map(run).collect()
+        order.into_par_iter().map(run).collect()
     }
 }

@@ -212,7 +212,7 @@ impl Chunk<'_> {
     }
 
     /// A receiver that the triangle may shadow or touch.
-    #[inline(never)]
+    #[inline(always)]
     fn candidate(
         &mut self,
         id: u32,
@@ -226,13 +226,19 @@ impl Chunk<'_> {
         let Shared { known, frame, skips, .. } = self.shared;
         let depth = receiver_depth + nearer * error;
         let depths = [depth - 2.0 * error, depth + 2.0 * error];
-        let mut hit = Hit { place: place as u32, triangle: id, depths };
+        let hit = Hit { place: place as u32, triangle: id, depths };
+        let ordered = depths[1] < frame.order_limit(receiver_depth);
+        if !(skips.between && ordered && known.surround(&hit)) {
+            self.keep(hit, ordered);
+        }
+    }
+
+    /// A hit that may be at an end of its segment.
+    #[inline(never)]
+    fn keep(&mut self, mut hit: Hit, ordered: bool) {
+        let Shared { known, skips, .. } = self.shared;
         if !skips.between {
             return self.found.hits.push(hit, None);
-        }
-        let ordered = depths[1] < frame.order_limit(receiver_depth);
-        if ordered && known.surround(&hit) {
-            return;
         }
         known.tighten(&hit);
         if !ordered {
