@@ -237,3 +237,36 @@ pub fn texel_depth(device: &Device, spec: &MapSpec, drawn: Option<f32>) -> f32 {
         (TexelFormat::Packed(_), None) => unreachable!("packed texels have bytes"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::DeviceProfile;
+    use crate::scene::{Cull, DepthBuffer};
+
+    #[test]
+    fn maps_stored_together_equal_maps_stored_alone() {
+        let device = DeviceProfile::Ideal.device();
+        let depths = DepthFormat::ALL.iter().map(|&format| TexelFormat::Depth(format));
+        let packed = Packing::ALL.iter().map(|&packing| TexelFormat::Packed(packing));
+        let all: Vec<TexelFormat> = depths.chain(packed).collect();
+        // The maps are of another size and format before.
+        let mut maps: Vec<ShadowMap> = all.iter().rev().map(|&f| ShadowMap::empty(f)).collect();
+        for size in [3, 70, 64] {
+            let texels = size * size;
+            let depth: Vec<f32> = (0..texels).map(|i| i as f32 / texels as f32).collect();
+            let id = |i: u32| if i.is_multiple_of(7) { NO_TRIANGLE } else { i };
+            let triangle: Vec<u32> = (0..texels).map(id).collect();
+            let drawn = Drawn { depth: &depth, triangle: &triangle };
+            let spec = |&texel: &TexelFormat| {
+                let (clear, depth_buffer) = ([0.25, 0.5, 0.75, 1.0], DepthBuffer::Texture);
+                MapSpec { size, texel, clear, depth_buffer, cull: Cull::None }
+            };
+            let specs: Vec<MapSpec> = all.iter().map(spec).collect();
+            ShadowMap::store_each(&mut maps, &device, &specs, drawn);
+            for (map, spec) in maps.iter().zip(&specs) {
+                assert_eq!(map, &ShadowMap::store(&device, spec, drawn), "{:?}", spec.texel);
+            }
+        }
+    }
+}

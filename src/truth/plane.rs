@@ -178,3 +178,56 @@ fn cross<T: Real>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
 fn permanents<T: Real>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
     [a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Coordinates in [-1, 1) from a multiplicative sequence.
+    fn points() -> impl FnMut() -> DVec3 {
+        let mut state = 1_u64;
+        let mut number = move || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        move || DVec3::new(number(), number(), number())
+    }
+
+    #[test]
+    fn eight_lines_are_measured_like_one() {
+        let mut point = points();
+        for _ in 0..2000 {
+            let mut eight = || std::array::from_fn::<DVec3, BATCH, _>(|_| point());
+            let (from, to) = (eight(), eight());
+            let corners = [eight(), eight(), eight()];
+            let lines = Line::of_scene(side_by_side(&from), &side_by_side(&to), 2.0);
+            let places = lines.meet(&corners.map(|corner| side_by_side(&corner)));
+            for k in 0..BATCH {
+                let line = Line::of_scene(from[k].to_array(), &to[k].to_array(), 2.0);
+                let place = line.meet(&corners.map(|corner| corner[k].to_array()));
+                let bits = |p: Place<f64>| [p.t, p.error, p.slope, p.certain].map(f64::to_bits);
+                assert_eq!(bits(places.lane(k)), bits(place));
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_lies_on_the_plane_within_its_error() {
+        let mut point = points();
+        for _ in 0..2000 {
+            // Steps of 2⁻¹⁰ keep the plane equation exact in f64.
+            let mut grid = || (point() * 1024.0).round() / 1024.0;
+            let (from, to, corners) = (grid(), grid(), [grid(), grid(), grid()]);
+            let place = Line::of_scene(from.to_array(), &to.to_array(), 1.0)
+                .meet(&corners.map(|corner| corner.to_array()));
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            let (height, slope) = (normal.dot(corners[0] - from), normal.dot(to - from));
+            assert_eq!(place.slope, slope, "exact sums");
+            if place.certain > 0.0 {
+                // |t - height/slope| <= error, multiplied by the exact slope; 2⁻⁵⁰ for this line's own.
+                let off = (place.t * slope - height).abs();
+                assert!(off <= place.error * slope.abs() + height.abs() / (1_u64 << 50) as f64);
+            }
+        }
+    }
+}
