@@ -43,7 +43,7 @@ fn pictures(case: &Case) {
     let field = Field::new(case, 1);
     let gallery = Gallery::new(&field, case.map.texel, 1);
     let (one, mut ways) = (threads(1), Ways::default());
-    for _ in 0..=2 * ROUNDS {
+    for _ in 0..ROUNDS {
         let picture = || gallery.picture("", Strategy::Constant, case.bias, String::new());
         ways.add("classes and their map, one core", one.install(|| cpu_ms(picture)));
     }

@@ -1,9 +1,9 @@
 //! How fast is the truth: rays, raster, and the public tracers on the same scene?
 //!
 //! `cargo bench --bench truth [--features peers] [-- terrain|still-life|sheets|fence|curve]`.
-//! Times are medians over rounds in which all ways take turns: processor time on one thread; of two threads that of the
-//! busier one, which is the wall time of a machine that does nothing else. `GNOMON_DUMP=DIR` writes
-//! the scenes and rays for `embree.py`; `GNOMON_CSV=FILE` keeps the curve.
+//! Times are medians over rounds in which all ways take turns: processor time on one thread; of two
+//! threads that of the busier one, which is the wall time of a machine that does nothing else.
+//! `GNOMON_DUMP=DIR` writes the scenes and rays for `embree.py`; `GNOMON_CSV=FILE` keeps the curve.
 
 #[path = "../../tests/support/meshes.rs"]
 mod meshes;

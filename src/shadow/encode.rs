@@ -29,6 +29,7 @@ enum Part<'a> {
 /// Stores what was drawn in several ways, run by run.
 pub(super) fn store(device: &Device, stores: Vec<Store>, drawn: Drawn) {
     let len = drawn.depth.len();
+    assert_eq!(len, drawn.triangle.len(), "a triangle for each depth");
     let mut runs: Vec<Vec<Part>> = Vec::new();
     runs.resize_with(len.div_ceil(RUN), || Vec::with_capacity(stores.len()));
     for store in stores {

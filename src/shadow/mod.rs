@@ -45,7 +45,7 @@ impl Memory {
     }
 }
 
-/// What a pass drew, texel by texel.
+/// What a pass drew, texel by texel: as many triangles as depths, or storing panics.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn<'a> {
     /// Window depths; 1 where nothing was drawn.
@@ -75,7 +75,7 @@ impl ShadowMap {
     /// was drawn is read once for all.
     ///
     /// # Panics
-    /// Unless there are as many maps as specifications.
+    /// Unless there are as many maps as specifications, and as many triangles as depths.
     pub fn store_each(maps: &mut [Self], device: &Device, specs: &[MapSpec], drawn: Drawn) {
         assert_eq!(maps.len(), specs.len(), "a map for each specification");
         let stores = maps.iter_mut().zip(specs).map(|(map, spec)| {

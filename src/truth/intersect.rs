@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::orient::{LARGEST, orient2d, orient3d, sign};
-use super::plane::{FILTER, Line, Place, U};
+use super::plane::{Crossing, FILTER, Line, U};
 
 /// Permanents below this may be falsified by underflow, so the filter does not trust them:
 /// with |coordinates| up to 2^200 an underflow adds less than 2^-870, far below U * 2^-700.
@@ -116,9 +116,9 @@ impl Segment {
 
     /// As [`Self::meet`], where the line is known to pass through the inside.
     pub(super) fn meet_inside(&self, id: u32, corners: &[DVec3; 3]) -> Meeting {
-        let place = self.on_plane(corners);
-        if place.certain > 0.0 {
-            self.meet_at(id, corners, [sign(place.slope); 3])
+        let crossing = self.on_plane(corners);
+        if crossing.certain > 0.0 {
+            self.meet_at(id, corners, [sign(crossing.slope); 3])
         } else {
             self.meet(id, corners)
         }
@@ -177,11 +177,11 @@ impl Segment {
     /// bound. Near the ends, and where the plane is nearly parallel to the line, the range of the
     /// corners along the segment bounds it as well.
     fn position(&self, corners: &[DVec3; 3]) -> (f64, f64) {
-        let place = self.on_plane(corners);
-        if place.is_between_ends() {
-            return (place.t, place.error);
+        let crossing = self.on_plane(corners);
+        if crossing.is_between_ends() {
+            return (crossing.t, crossing.error);
         }
-        let (t, error) = place.bounded();
+        let (t, error) = crossing.bounded();
         let (near, far) = self.corner_range(corners);
         let (low, high) = ((t - error).max(near), (t + error).min(far));
         if low > high {
@@ -192,10 +192,10 @@ impl Segment {
     }
 
     /// Where the line meets the plane of the triangle.
-    fn on_plane(&self, corners: &[DVec3; 3]) -> Place<f64> {
+    fn on_plane(&self, corners: &[DVec3; 3]) -> Crossing<f64> {
         let Self { from, along, blur, .. } = *self;
         let line = Line { from: from.to_array(), along: along.to_array(), blur };
-        line.meet(&corners.map(|corner| corner.to_array()))
+        line.crossing(&corners.map(|corner| corner.to_array()))
     }
 
     /// The range of the corners' positions along the segment, widened by their error: a point of

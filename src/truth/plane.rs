@@ -72,7 +72,7 @@ pub(super) struct Line<T> {
 
 /// Where a line meets a plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<T> {
+pub(super) struct Crossing<T> {
     /// `t = n (a - from) / n along`.
     pub(super) t: T,
     /// How far the true one may be off, if `certain` is above 0.
@@ -95,7 +95,7 @@ impl<T: Real> Line<T> {
 
     /// Where the line meets the plane of the triangle with these corners.
     #[inline(always)]
-    pub(super) fn meet(&self, [a, b, c]: &[Vector<T>; 3]) -> Place<T> {
+    pub(super) fn crossing(&self, [a, b, c]: &[Vector<T>; 3]) -> Crossing<T> {
         let number = T::splat;
         let (e1, e2) = (minus(b, a), minus(c, a));
         let (normal, rough) = (cross(&e1, &e2), permanents(&size(&e1), &size(&e2)));
@@ -112,11 +112,11 @@ impl<T: Real> Line<T> {
         let certain = slope.magnitude() - slope_error;
         let error = (height_error + t.magnitude() * slope_error) / certain * number(1.0 + 16.0 * U)
             + number(2.0 * U) * t.magnitude();
-        Place { t, error, slope, certain }
+        Crossing { t, error, slope, certain }
     }
 }
 
-impl Place<f64> {
+impl Crossing<f64> {
     /// Whether the triangle is met between the ends of the segment for certain, and well measured.
     #[inline(always)]
     pub(super) fn is_between_ends(&self) -> bool {
@@ -131,10 +131,10 @@ impl Place<f64> {
     }
 }
 
-impl Place<Lanes> {
+impl Crossing<Lanes> {
     #[inline(always)]
-    pub(super) fn lane(&self, k: usize) -> Place<f64> {
-        Place {
+    pub(super) fn lane(&self, k: usize) -> Crossing<f64> {
+        Crossing {
             t: self.t.0[k],
             error: self.error.0[k],
             slope: self.slope.0[k],
@@ -201,32 +201,32 @@ mod tests {
             let (from, to) = (eight(), eight());
             let corners = [eight(), eight(), eight()];
             let lines = Line::of_scene(side_by_side(&from), &side_by_side(&to), 2.0);
-            let places = lines.meet(&corners.map(|corner| side_by_side(&corner)));
+            let crossings = lines.crossing(&corners.map(|corner| side_by_side(&corner)));
             for k in 0..BATCH {
                 let line = Line::of_scene(from[k].to_array(), &to[k].to_array(), 2.0);
-                let place = line.meet(&corners.map(|corner| corner[k].to_array()));
-                let bits = |p: Place<f64>| [p.t, p.error, p.slope, p.certain].map(f64::to_bits);
-                assert_eq!(bits(places.lane(k)), bits(place));
+                let crossing = line.crossing(&corners.map(|corner| corner[k].to_array()));
+                let bits = |p: Crossing<f64>| [p.t, p.error, p.slope, p.certain].map(f64::to_bits);
+                assert_eq!(bits(crossings.lane(k)), bits(crossing));
             }
         }
     }
 
     #[test]
-    fn a_place_lies_on_the_plane_within_its_error() {
+    fn a_crossing_lies_on_the_plane_within_its_error() {
         let mut point = points();
         for _ in 0..2000 {
             // Steps of 2⁻¹⁰ keep the plane equation exact in f64.
             let mut grid = || (point() * 1024.0).round() / 1024.0;
             let (from, to, corners) = (grid(), grid(), [grid(), grid(), grid()]);
-            let place = Line::of_scene(from.to_array(), &to.to_array(), 1.0)
-                .meet(&corners.map(|corner| corner.to_array()));
+            let crossing = Line::of_scene(from.to_array(), &to.to_array(), 1.0)
+                .crossing(&corners.map(|corner| corner.to_array()));
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             let (height, slope) = (normal.dot(corners[0] - from), normal.dot(to - from));
-            assert_eq!(place.slope, slope, "exact sums");
-            if place.certain > 0.0 {
+            assert_eq!(crossing.slope, slope, "exact sums");
+            if crossing.certain > 0.0 {
                 // |t - height/slope| <= error, multiplied by the exact slope; 2⁻⁵⁰ for this line's own.
-                let off = (place.t * slope - height).abs();
-                assert!(off <= place.error * slope.abs() + height.abs() / (1_u64 << 50) as f64);
+                let off = (crossing.t * slope - height).abs();
+                assert!(off <= crossing.error * slope.abs() + height.abs() / (1_u64 << 50) as f64);
             }
         }
     }

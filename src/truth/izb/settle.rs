@@ -161,11 +161,12 @@ impl Kernel for Measure<'_> {
                 return measured;
             }
             // Lanes beyond `count` measure receiver 0 against triangle 0, for nobody.
-            let places = self.shared.lines_of(&receivers).meet(&self.corners(&triangles));
+            let crossings = self.shared.lines_of(&receivers).crossing(&self.corners(&triangles));
             for k in 0..count {
-                let (place, receiver, triangle) = (places.lane(k), receivers[k], triangles[k]);
-                if place.is_between_ends() {
-                    measured.met.push(Met { receiver, triangle, t: place.t });
+                let (crossing, receiver, triangle) =
+                    (crossings.lane(k), receivers[k], triangles[k]);
+                if crossing.is_between_ends() {
+                    measured.met.push(Met { receiver, triangle, t: crossing.t });
                 } else {
                     measured.add(self.shared, receiver, triangle);
                 }

@@ -22,12 +22,12 @@ pub(super) struct Item {
 
 /// The box around a triangle in light space: grid position, depth and a 0.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
+struct BoundingBox {
     low: [f32; 4],
     high: [f32; 4],
 }
 
-impl Bounds {
+impl BoundingBox {
     const NOWHERE: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Items {
 impl Items {
     /// The parts of boxes that lie on the grid, widened by the rounding of f32 positions.
     #[inline(always)]
-    fn on_grid(bounds: &[Bounds; BATCH], cells: usize) -> Self {
+    fn on_grid(boxes: &[BoundingBox; BATCH], cells: usize) -> Self {
         let end = cells as f32;
         let mut items = Self {
             left: [0.0; BATCH],
@@ -56,7 +56,7 @@ impl Items {
             on_grid: [false; BATCH],
         };
         for k in 0..BATCH {
-            let ([left, bottom, ..], [right, top, depth, _]) = (bounds[k].low, bounds[k].high);
+            let ([left, bottom, ..], [right, top, depth, _]) = (boxes[k].low, boxes[k].high);
             let (left, bottom) = (left - pad(left), bottom - pad(bottom));
             let (right, top) = (right + pad(right), top + pad(top));
             items.on_grid[k] = (right >= 0.0) & (left < end) & (top >= 0.0) & (bottom < end);
@@ -138,9 +138,9 @@ impl<'a> Vertices<'a> {
     /// Where on a grid of `cells * cells` up to eight triangles may shadow receivers.
     #[inline(always)]
     pub(super) fn items(&self, triangles: &[[u32; 3]], cells: usize) -> Items {
-        let mut bounds = [Bounds::NOWHERE; BATCH];
+        let mut boxes = [BoundingBox::NOWHERE; BATCH];
         let mut seen = 0.0;
-        for (&[a, b, c], bounds) in triangles.iter().zip(&mut bounds) {
+        for (&[a, b, c], bounds) in triangles.iter().zip(&mut boxes) {
             let (a, b, c) =
                 (&self.screen[a as usize], &self.screen[b as usize], &self.screen[c as usize]);
             for k in 0..4 {
@@ -152,19 +152,19 @@ impl<'a> Vertices<'a> {
             seen += a[3] + b[3] + c[3];
         }
         if seen.is_nan() {
-            self.clip_those_behind(triangles, &mut bounds, cells);
+            self.clip_those_behind(triangles, &mut boxes, cells);
         }
-        Items::on_grid(&bounds, cells)
+        Items::on_grid(&boxes, cells)
     }
 
     /// Bounds of those triangles of which a corner is behind the light.
     #[cold]
     #[inline(never)]
-    fn clip_those_behind(&self, triangles: &[[u32; 3]], bounds: &mut [Bounds], cells: usize) {
-        for (&corners, bounds) in triangles.iter().zip(bounds) {
+    fn clip_those_behind(&self, triangles: &[[u32; 3]], boxes: &mut [BoundingBox], cells: usize) {
+        for (&corners, bounds) in triangles.iter().zip(boxes) {
             if corners.iter().any(|&v| self.screen[v as usize][3].is_nan()) {
                 let clipped = self.clipped(corners, cells as f64);
-                *bounds = clipped.map_or(Bounds::NOWHERE, |(low, high)| Bounds {
+                *bounds = clipped.map_or(BoundingBox::NOWHERE, |(low, high)| BoundingBox {
                     low: [low[0], low[1], 0.0, 0.0],
                     high: [high[0], high[1], f32::INFINITY, 0.0],
                 });
