@@ -3,6 +3,7 @@
 /// The ordinal of a float: consecutive finite floats have consecutive ordinals, `-0.0` and `+0.0`
 /// share 0, infinities follow the largest finite values. NaN is a bug of the caller.
 #[must_use]
+#[inline(always)]
 pub fn ordinal(x: f32) -> i32 {
     debug_assert!(!x.is_nan(), "NaN has no ordinal");
     let magnitude = (x.to_bits() & 0x7fff_ffff) as i32;
@@ -11,6 +12,7 @@ pub fn ordinal(x: f32) -> i32 {
 
 /// The float of an ordinal; the inverse of [`ordinal`] but for the sign of zero.
 #[must_use]
+#[inline(always)]
 pub fn from_ordinal(ordinal: i32) -> f32 {
     let magnitude = f32::from_bits(ordinal.unsigned_abs());
     if ordinal < 0 { -magnitude } else { magnitude }

@@ -1,8 +1,8 @@
 //! The sweep's shortcut against the literal f32 rule, and how it behaves at its edges.
 
 use gnomon::analysis::sweep::chart::{Attachment, Chart, usable_filter};
-use gnomon::analysis::sweep::evaluate::Taps;
 use gnomon::analysis::sweep::tally::Kind;
+use gnomon::analysis::sweep::taps::Taps;
 use gnomon::analysis::sweep::{
     Field, Plan, Question, Range, gate, looks, plan, report, run, sweep,
 };
@@ -37,8 +37,8 @@ fn compare(
     let case = chart.field.case();
     let rule = case.lookup.compare;
     let looks = chart.looks(format, &strategy.with(0.0));
-    let taps = Taps::new(strategy, &chart.weights(format));
-    let curve = taps.curve(&looks, rule);
+    let taps = Taps::on(chart, format, strategy);
+    let curve = taps.curve_on(chart, format, strategy);
     let list = curve.breakpoints();
     let around = |&b: &f32| [from_ordinal(ordinal(b) - 1), b, from_ordinal(ordinal(b) + 1)];
     let around = list.iter().step_by((list.len() / breakpoints).max(1)).flat_map(around);
@@ -46,6 +46,14 @@ fn compare(
     let mut amounts: Vec<f32> = random.chain(around).filter(|a| *a >= 0.0).collect();
     amounts.sort_by_key(|&a| ordinal(a));
     let literal = looks::literal_all(&looks, rule, &amounts, |i, a| taps.bias(i, a));
+    let kept = taps.curve(&looks, rule);
+    assert_eq!(kept.critical, curve.critical, "{} {strategy}", case.name);
+    assert_eq!(kept.at(&amounts), curve.at(&amounts), "{} {strategy}", case.name);
+    assert_eq!(kept.gaps_at(&amounts), curve.gaps_at(&amounts), "{} {strategy}", case.name);
+    for kind in Kind::ALL.iter().copied() {
+        assert_eq!(kept.first(kind), curve.first(kind), "{} {strategy} {kind}", case.name);
+        assert_eq!(kept.quiet_from(2, kind), curve.quiet_from(2, kind), "{strategy} {kind}");
+    }
     for ((a, fast), slow) in amounts.iter().zip(curve.at(&amounts)).zip(literal) {
         assert_eq!(fast, slow, "{} {} {strategy} at {a:e}", case.name, format.name());
     }
@@ -142,11 +150,10 @@ fn value_families_equal_the_literal_counts_of_every_receiver() {
         let rule = case.lookup.compare;
         for format in ["unorm16", "book"].map(|f| plan::format_named(f).unwrap()) {
             let chart = chart(&field, 256, format);
-            let weights = chart.weights(format);
             let tally = |strategy: Strategy, amount: f32| {
                 let recipe = strategy.with(amount);
                 let looks = chart.looks(format, &recipe);
-                looks::literal(&looks, rule, |i| recipe.tap_bias(&weights[i]))
+                looks::literal(&looks, rule, |i| recipe.tap_bias(&chart.weights(format, i)))
             };
             for strategy in families {
                 let bias: Range = "1e-5:1e-1:log:12".parse().unwrap();

@@ -1,16 +1,22 @@
 //! What breakpoints save: 10,000 biases against one, and against the literal rule, side by side.
 //!
-//! Run with `cargo bench --bench sweep`. Every pair is timed in turn on one thread, in processor
+//! Run with `cargo bench --bench sweep [-- canvas]`. Every pair is timed in turn on one thread, in processor
 //! time, and the least of five counts. The counts of all ways are compared as well.
 
+#[path = "timing.rs"]
+mod timing;
+
 use gnomon::analysis::sweep::chart::{Attachment, Chart, usable_filter};
-use gnomon::analysis::sweep::evaluate::Taps;
+use gnomon::analysis::sweep::evaluate::sweep_formats;
 use gnomon::analysis::sweep::looks::{self, Looks};
+use gnomon::analysis::sweep::taps::Taps;
 use gnomon::analysis::sweep::{Field, Question, Range, sweep};
-use gnomon::scene::{Case, cases};
+use gnomon::depth::{DepthFormat, Packing};
+use gnomon::scene::{Case, TexelFormat, cases};
 use gnomon::shadow::bias::Strategy;
 use std::hint::black_box;
 use std::time::Instant;
+use timing::{Ways, threads, wall_ms};
 
 /// Seconds of processor time that this thread has had: steady beside other jobs.
 fn processor_seconds() -> f64 {
@@ -55,7 +61,43 @@ fn arrays(looks: &[Looks]) -> (Vec<f32>, Vec<f32>) {
     lit.map(|l| (l.taps[0].z, l.taps[0].stored)).unzip()
 }
 
+/// Every receiver of a 1080p canvas under 256 constant biases in eight formats, on one and on two threads.
+fn canvas() {
+    let mut case = cases::named("terrain-100000").expect("a case");
+    (case.canvas, case.map.size) = ([1920, 1080], 2048);
+    let field = Field::new(&case, 1);
+    let amounts = "1e-6:1e-1:log:256".parse::<Range>().expect("a range").values();
+    let question = Question { amounts: &amounts, max_acne: 0.0 };
+    let depths = DepthFormat::ALL.iter().take(4).map(|&f| TexelFormat::Depth(f)).collect();
+    let packed = Packing::ALL.iter().take(4).map(|&p| TexelFormat::Packed(p)).collect();
+    let formats: [Vec<TexelFormat>; 2] = [depths, packed];
+    let mut ways = Ways::default();
+    for pool in (0..5).flat_map(|_| [1, 2].map(threads)) {
+        let n = pool.current_num_threads();
+        let mut charts = Vec::new();
+        let draw = || {
+            let of = |f: &Vec<_>| {
+                Chart::new(&field, case.map.size, case.lookup.filter, Attachment::of(f[0]))
+            };
+            charts = formats.iter().map(of).collect();
+        };
+        ways.add(&format!("two charts, {n} threads"), wall_ms(|| pool.install(draw)));
+        let sweep = || {
+            for (chart, formats) in charts.iter().zip(&formats) {
+                black_box(sweep_formats(chart, formats, Strategy::Constant, &question));
+            }
+        };
+        ways.add(&format!("8 formats x 256 biases, {n} threads"), wall_ms(|| pool.install(sweep)));
+    }
+    println!("{}: {} receivers at 1080p", case.name, field.samples.len());
+    ways.report(field.samples.len(), "receivers");
+}
+
 fn main() {
+    canvas();
+    if std::env::args().any(|arg| arg == "canvas") {
+        return;
+    }
     let amounts = "1e-7:1e-1:log:10000".parse::<Range>().expect("a range").values();
     for name in ["book-rgba8-y7", "fundamentals-spot", "fundamentals-directional", "exam-pcf"] {
         let case = cases::named(name).expect("a case");
@@ -71,8 +113,7 @@ fn main() {
         let filter = usable_filter(case.lookup.filter, case.map.texel);
         let chart = Chart::new(&field, case.map.size, filter, Attachment::of(case.map.texel));
         let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0));
-        let weights = chart.weights(case.map.texel);
-        let taps = Taps::new(Strategy::Constant, &weights);
+        let taps = Taps::on(&chart, case.map.texel, Strategy::Constant);
         let rule = case.lookup.compare;
         let few: Vec<f32> = amounts.iter().copied().step_by(500).collect();
         let [fast, slow] = pair(

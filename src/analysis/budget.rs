@@ -2,8 +2,8 @@
 
 use super::sweep::Field;
 use super::sweep::chart::{Attachment, Chart, usable_filter};
-use super::sweep::evaluate::Taps;
 use super::sweep::tally::Kind;
+use super::sweep::taps::Taps;
 use crate::depth::{DepthFormat, Packing};
 use crate::report::number::significant;
 use crate::scene::{Filter, TexelFormat};
@@ -67,9 +67,8 @@ impl<'f, 'a> Charts<'f, 'a> {
 
 /// The smallest amount of a strategy that ends acne.
 fn critical(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy) -> Option<f64> {
-    let weights = chart.weights(format);
-    let curve = Taps::new(strategy, &weights).curve_on(chart, format, strategy);
-    curve.quiet_from(0, &[Kind::Acne]).map(f64::from)
+    let curve = Taps::on(chart, format, strategy).curve_on(chart, format, strategy);
+    curve.quiet_from(0, Kind::Acne).map(f64::from)
 }
 
 /// A sound format with the bits of a packing that are worth keeping.

@@ -1,10 +1,11 @@
 //! 8, 16, 24 and 32 bits of depth, plain and reversed: what each costs on a case.
 
 use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
-use super::sweep::evaluate::Taps;
+use super::sweep::curve::Curve;
 use super::sweep::pictures::Gallery;
 use super::sweep::plots::thinned;
-use super::sweep::tally::{Curve, Kind};
+use super::sweep::tally::Kind;
+use super::sweep::taps::Taps;
 use super::sweep::{Field, Range};
 use crate::depth::{DepthFormat, Packing};
 use crate::report::number::significant;
@@ -81,9 +82,9 @@ impl Measured {
             true => chart.looks_reversed(format),
             false => chart.looks(format, &Strategy::Constant.with(0.0)),
         };
-        let weights = chart.weights(format);
-        let curve = Taps::new(Strategy::Constant, &weights).curve(&looks, case.lookup.compare);
-        let critical = curve.quiet_from(0, &[Kind::Acne]);
+        let taps = Taps::on(chart, format, Strategy::Constant);
+        let curve = taps.curve(&looks, case.lookup.compare);
+        let critical = curve.quiet_from(0, Kind::Acne);
         let own = curve.at(&[case.bias])[0];
         let [lit, shadowed] = field.populations.map(|n| n.max(1) as f64);
         Self {

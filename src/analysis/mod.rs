@@ -22,6 +22,5 @@ mod observe_all;
 pub mod pareto;
 pub mod roundtrip;
 pub mod sweep;
-mod texels;
 pub mod tune;
 pub mod walk;

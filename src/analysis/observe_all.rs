@@ -5,7 +5,7 @@ use super::effort::{Count, TruthBy};
 use super::foremost::{Foremost, Seen};
 use super::observation::{Observation, Standing};
 use super::observe::{Looking, Observer, Spot};
-use super::texels::TexelSet;
+use crate::raster::TexelSet;
 use crate::truth::{Answer, Answers, Receiver, izb};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

@@ -1,11 +1,12 @@
 //! Every fragment over chosen texels, kept so that any offset, culling or layer can be resolved from
 //! one pass.
 
-use super::{Plane, PolygonOffset, Setup, depth_key};
+use super::{Plane, PolygonOffset, Setup, Slots, depth_key};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::scene::Cull;
 use glam::Vec4;
+use std::sync::Arc;
 
 /// One surface over a texel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,58 +31,49 @@ pub struct Resolve<'s> {
     pub write: Option<&'s dyn Fn(bool, f32) -> f32>,
 }
 
-/// Fragments over a set of texels, in drawing order.
+/// Fragments over chosen texels, in drawing order.
 #[derive(Clone, Debug)]
 pub struct Fragments {
     device: Device,
-    size: u32,
     setups: Vec<(Setup, bool)>,
-    /// Slot of each texel, or `u32::MAX`.
-    slots: Vec<u32>,
-    /// Texel of each slot.
-    texels: Vec<u32>,
-    /// Where the fragments of each slot begin.
+    slots: Arc<Slots>,
+    /// Where the fragments of each slot begin; one more at the end.
     starts: Vec<u32>,
     triangles: Vec<u32>,
 }
 
 impl Fragments {
-    /// Rasterises all triangles, both faces, and keeps what falls on `wanted` texels.
+    /// Rasterises all triangles, both faces, and keeps what falls on the texels of `slots`.
     #[must_use]
     pub fn collect(
         device: &Device,
-        size: u32,
         clip: &[Vec4],
         triangles: &[[u32; 3]],
-        wanted: impl Iterator<Item = u32>,
+        slots: &Arc<Slots>,
     ) -> Self {
-        let mut slots = vec![u32::MAX; size as usize * size as usize];
-        let mut texels = Vec::new();
-        for texel in wanted {
-            if slots[texel as usize] == u32::MAX {
-                slots[texel as usize] = texels.len() as u32;
-                texels.push(texel);
-            }
-        }
-        let count = texels.len();
-        let setup = |t: &[u32; 3]| Setup::new(device, [size; 2], t.map(|v| clip[v as usize]));
+        let size = [slots.size(); 2];
+        let setup = |t: &[u32; 3]| Setup::new(device, size, t.map(|v| clip[v as usize]));
         let setups: Vec<_> = triangles.iter().map(setup).map(|s| (s, s.is_front())).collect();
         let mut pairs: Vec<(u32, u32)> = Vec::new();
+        let mut starts = vec![0u32; slots.len() + 1];
         for (id, (setup, _)) in setups.iter().enumerate() {
-            setup.cover(device, [size; 2], Cull::None, |y, first, end| {
-                let row = &slots[(y * size) as usize..((y + 1) * size) as usize];
-                let here = row[first as usize..end as usize].iter().filter(|&&s| s != u32::MAX);
-                pairs.extend(here.map(|&slot| (slot, id as u32)));
+            setup.cover(device, size, Cull::None, |y, first, end| {
+                for slot in (first..end).filter_map(|x| slots.found([x, y])) {
+                    pairs.push((slot as u32, id as u32));
+                    starts[slot + 1] += 1;
+                }
             });
         }
-        pairs.sort_by_key(|&(slot, _)| slot);
-        let mut starts = vec![0u32; count + 1];
-        pairs.iter().for_each(|&(slot, _)| starts[slot as usize + 1] += 1);
-        for i in 0..count {
+        for i in 0..slots.len() {
             starts[i + 1] += starts[i];
         }
-        let triangles = pairs.into_iter().map(|(_, id)| id).collect();
-        Self { device: *device, size, setups, slots, texels, starts, triangles }
+        let (mut next, mut triangles) = (starts.clone(), vec![0; pairs.len()]);
+        for (slot, id) in pairs {
+            let place = &mut next[slot as usize];
+            triangles[*place as usize] = id;
+            *place += 1;
+        }
+        Self { device: *device, setups, slots: slots.clone(), starts, triangles }
     }
 
     /// The depth of every triangle under a pass, and whether its front is seen; `None` where it is culled.
@@ -103,42 +95,8 @@ impl Fragments {
     #[must_use]
     pub fn value(&self, texel: u32, triangle: u32, at_vertices: [f32; 3]) -> f32 {
         let plane = self.setups[triangle as usize].0.exact_plane(at_vertices);
-        plane.at((texel % self.size) as f32, (texel / self.size) as f32)
-    }
-
-    /// The place of a texel in [`Self::over_texels`].
-    ///
-    /// # Panics
-    /// Where the texel was not wanted.
-    #[must_use]
-    pub fn slot(&self, texel: u32) -> usize {
-        let slot = self.slots[texel as usize];
-        assert!(slot != u32::MAX, "texel {texel} was not collected");
-        slot as usize
-    }
-
-    /// The texel of a slot.
-    #[must_use]
-    pub fn texel(&self, slot: usize) -> u32 {
-        self.texels[slot]
-    }
-
-    /// Something of every wanted texel, by slot.
-    #[must_use]
-    pub fn over_texels<T>(&self, of: impl Fn(u32) -> T) -> Vec<T> {
-        self.texels.iter().map(|&texel| of(texel)).collect()
-    }
-
-    /// How many texels were wanted.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.texels.len()
-    }
-
-    /// Whether none was.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.texels.is_empty()
+        let size = self.slots.size();
+        plane.at((texel % size) as f32, (texel / size) as f32)
     }
 
     /// Of each slot the nearest surface over its texel and the second nearest, as a depth test LESS into
@@ -155,8 +113,8 @@ impl Fragments {
         for (k, &slot) in slots.iter().enumerate() {
             let range =
                 self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
-            let texel = self.texels[slot as usize];
-            let at = [texel % self.size, texel / self.size].map(|c| c as f32);
+            let (texel, size) = (self.slots.texel(slot as usize), self.slots.size());
+            let at = [texel % size, texel / size].map(|c| c as f32);
             let mut layers: [Option<(u32, Layer)>; 2] = [None; 2];
             for &triangle in &self.triangles[range] {
                 let Some((front, plane)) = &planes[triangle as usize] else { continue };

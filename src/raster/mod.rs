@@ -15,7 +15,9 @@ mod literal;
 pub mod passes;
 mod plane;
 pub mod probe;
+mod slots;
 mod test;
+mod texels;
 mod tile;
 mod tiles;
 mod triangle;
@@ -30,6 +32,8 @@ pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
 pub use literal::draw_each;
 pub use plane::{Interpolator, Plane, Row, Varyings};
+pub use slots::Slots;
+pub use texels::TexelSet;
 pub use tiles::{draw, draw_at, draw_into, quickest};
 pub use triangle::Projected;
 

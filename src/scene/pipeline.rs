@@ -44,6 +44,7 @@ crate::catalogue! {
 impl CompareRule {
     /// The document's literal f32 rule. `bias` ≥ 0 repairs acne whatever sign the document writes.
     #[must_use]
+    #[inline(always)]
     pub fn is_lit(self, z: f32, stored: f32, bias: f32) -> bool {
         match self {
             Self::ReceiverBeyond => !(z > stored + bias),
@@ -57,6 +58,7 @@ impl CompareRule {
     /// passes the middle between two floats, so that its rounding turns the comparison. Rounded to f32,
     /// hence off by a few of its steps; a starting point, not a promise.
     #[must_use]
+    #[inline(always)]
     pub fn turning_point(self, z: f32, stored: f32) -> f32 {
         let middle = |a: f32, b: f32| (f64::from(a) + f64::from(b)) * 0.5;
         let exact = match self {

@@ -101,20 +101,16 @@ pub fn fixed_coordinates(device: &Device, format: TexelFormat) -> bool {
 /// Reads the texels of a footprint.
 #[must_use]
 pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint<'_>) -> Taps {
-    let taps = footprint.taps;
+    let texels = footprint.texels.iter().copied().collect();
     if footprint.mixed.is_some() {
-        let depth = mixed_depth(map, device, footprint);
-        let texels = taps.iter().map(|tap| tap.texel).collect();
-        return Taps { depths: Few::One(depth), texels, texels_per_tap: 4, weights: Vec::new() };
+        let depths = Few::One(mixed_depth(map, device, footprint));
+        return Taps { depths, texels, texels_per_tap: 4, weights: Vec::new() };
     }
     Taps {
-        depths: taps.iter().map(|tap| map.depth(device, tap.texel as usize)).collect(),
-        texels: taps.iter().map(|tap| tap.texel).collect(),
+        depths: footprint.texels.iter().map(|&texel| map.depth(device, texel as usize)).collect(),
+        texels,
         texels_per_tap: 1,
-        weights: match footprint.weighted {
-            true => taps.iter().map(|tap| tap.weight).collect(),
-            false => Vec::new(),
-        },
+        weights: footprint.weights.to_vec(),
     }
 }
 

@@ -19,15 +19,6 @@ pub struct Sampling {
     pub fixed: bool,
 }
 
-/// One comparison of a look-up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tap {
-    /// The texel that it reads.
-    pub texel: u32,
-    /// Its share of the visibility; all shares add up to 1.
-    pub weight: f64,
-}
-
 /// From the coordinate of a look-up to what one of its taps stands for, in units of u and v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset {
@@ -50,12 +41,12 @@ pub struct Mix {
 /// NEAREST reads first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint<'f> {
-    /// The taps, row by row or along the disk.
-    pub taps: &'f [Tap],
+    /// The texel that each tap reads, row by row or along the disk.
+    pub texels: &'f [u32],
+    /// Their shares of the visibility, which add up to 1, where they differ; else empty.
+    pub weights: &'f [f64],
     /// The offset of each tap, where they were asked for.
     pub offsets: &'f [Offset],
-    /// Whether shares differ.
-    pub weighted: bool,
     /// For LINEAR, what is mixed.
     pub mixed: Option<Mix>,
 }
@@ -63,8 +54,20 @@ pub struct Footprint<'f> {
 impl Footprint<'_> {
     /// The tap in the middle, or the heaviest where shares differ.
     #[must_use]
+    #[inline]
     pub fn centre(&self) -> usize {
-        centre(self.taps.len(), self.weighted, |i| self.taps[i].weight)
+        centre(self.texels.len(), !self.weights.is_empty(), |i| self.weights[i])
+    }
+
+    /// The share of a tap: all of it where taps are mixed into one comparison.
+    #[must_use]
+    #[inline]
+    pub fn share(&self, tap: usize) -> f64 {
+        match (self.mixed, self.weights.get(tap)) {
+            (Some(_), _) => 1.0,
+            (None, Some(&weight)) => weight,
+            (None, None) => 1.0 / self.texels.len() as f64,
+        }
     }
 }
 
@@ -73,9 +76,12 @@ impl Footprint<'_> {
 pub struct Footprints {
     sampling: Sampling,
     with_offsets: bool,
-    /// Where the taps of each footprint begin; one more at the end.
+    /// Taps of each footprint where all have as many.
+    each: Option<usize>,
+    /// Else where the taps of each footprint begin; one more at the end.
     starts: Vec<u32>,
-    taps: Vec<Tap>,
+    texels: Vec<u32>,
+    weights: Vec<f64>,
     offsets: Vec<Offset>,
     mixed: Vec<Mix>,
 }
@@ -93,27 +99,34 @@ impl Footprints {
     /// None yet.
     #[must_use]
     pub fn new(sampling: Sampling, with_offsets: bool) -> Self {
-        let (taps, offsets, mixed) = Default::default();
-        Self { sampling, with_offsets, starts: vec![0], taps, offsets, mixed }
+        let each = match shape(sampling.filter) {
+            Shape::Points(points) => Some(points.len()),
+            Shape::Square(n) => Some(n * n),
+            Shape::Mix => Some(4),
+            Shape::Bilinear(_) => None,
+        };
+        let (texels, weights, offsets, mixed) = Default::default();
+        Self { sampling, with_offsets, each, starts: vec![0], texels, weights, offsets, mixed }
     }
 
-    /// The footprints of many look-ups, with the offsets of their taps.
+    /// The footprints of many look-ups, without the offsets of their taps.
     #[must_use]
     pub fn of(sampling: Sampling, uv: &(impl Fn(usize) -> [f32; 2] + Sync), count: usize) -> Self {
         let starts = (0..count).into_par_iter().step_by(RUN);
         let run = |start: usize| {
-            let mut run = Self::new(sampling, true);
+            let mut run = Self::new(sampling, false);
             (start..count.min(start + RUN)).for_each(|i| run.push(uv(i)));
             run
         };
         let runs: Vec<Self> = starts.map(run).collect();
-        runs.into_iter().fold(Self::new(sampling, true), Self::joined)
+        runs.into_iter().fold(Self::new(sampling, false), Self::joined)
     }
 
     fn joined(mut self, other: Self) -> Self {
-        let before = self.taps.len() as u32;
+        let before = self.texels.len() as u32;
         self.starts.extend(other.starts[1..].iter().map(|start| before + start));
-        self.taps.extend(other.taps);
+        self.texels.extend(other.texels);
+        self.weights.extend(other.weights);
         self.offsets.extend(other.offsets);
         self.mixed.extend(other.mixed);
         self
@@ -129,13 +142,17 @@ impl Footprints {
         if self.with_offsets {
             self.place_offsets(uv);
         }
-        self.starts.push(u32::try_from(self.taps.len()).expect("fewer than 2^32 taps"));
+        let taps = u32::try_from(self.texels.len()).expect("fewer than 2^32 taps");
+        if self.each.is_none() {
+            self.starts.push(taps);
+        }
     }
 
     /// The footprint of a look-up at (u, v), in place of all others.
     #[inline]
     pub fn only(&mut self, uv: [f32; 2]) -> Footprint<'_> {
-        self.taps.clear();
+        self.texels.clear();
+        self.weights.clear();
         self.offsets.clear();
         self.mixed.clear();
         self.starts.truncate(1);
@@ -143,11 +160,20 @@ impl Footprints {
         self.get(0)
     }
 
+    /// Taps of each footprint, where all have as many.
+    #[must_use]
+    pub const fn each(&self) -> Option<usize> {
+        self.each
+    }
+
     /// Where the taps of footprint `i` lie in the list of all.
     #[must_use]
     #[inline]
     pub fn range(&self, i: usize) -> Range<usize> {
-        self.starts[i] as usize..self.starts[i + 1] as usize
+        match self.each {
+            Some(taps) => i * taps..(i + 1) * taps,
+            None => self.starts[i] as usize..self.starts[i + 1] as usize,
+        }
     }
 
     /// Footprint `i`.
@@ -157,16 +183,16 @@ impl Footprints {
         let range = self.range(i);
         Footprint {
             offsets: self.offsets.get(range.clone()).unwrap_or_default(),
-            taps: &self.taps[range],
-            weighted: matches!(shape(self.sampling.filter), Shape::Bilinear(_)),
+            weights: self.weights.get(range.clone()).unwrap_or_default(),
+            texels: &self.texels[range],
             mixed: self.mixed.get(i).copied(),
         }
     }
 
-    /// The taps of all footprints.
+    /// The texels of all footprints.
     #[must_use]
-    pub fn taps(&self) -> &[Tap] {
-        &self.taps
+    pub fn texels(&self) -> &[u32] {
+        &self.texels
     }
 
     /// What each footprint mixes; empty unless the filter is LINEAR.
@@ -179,10 +205,7 @@ impl Footprints {
         let sampling = self.sampling;
         let at = Place { sampling: &sampling, uv };
         match shape(sampling.filter) {
-            Shape::Points(points) => {
-                let weight = 1.0 / points.len() as f64;
-                self.taps.extend(points.iter().map(|&p| Tap { texel: at.nearest(p), weight }));
-            }
+            Shape::Points(points) => self.texels.extend(points.iter().map(|&p| at.nearest(p))),
             Shape::Square(n) => self.square(&at, n),
             Shape::Bilinear(points) => self.bilinear(&at, points),
             Shape::Mix => self.mix(&at),
@@ -201,7 +224,7 @@ impl Footprints {
             }
             Shape::Bilinear(points) => {
                 let around = points.iter().flat_map(|&p| at.around(p));
-                self.offsets.extend(around.filter(|(tap, _)| tap.weight > 0.0).map(|(_, o)| o));
+                self.offsets.extend(around.filter(|near| near.weight > 0.0).map(|n| n.offset));
             }
             Shape::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
         }
@@ -216,34 +239,34 @@ impl Footprints {
             }
             texels
         };
-        let ([xs, ys], weight) = ([0, 1].map(axis), 1.0 / (n * n) as f64);
+        let [xs, ys] = [0, 1].map(axis);
         for y in &ys[..n] {
-            let tap = |x: &u32| Tap { texel: y * at.sampling.size + x, weight };
-            self.taps.extend(xs[..n].iter().map(tap));
+            self.texels.extend(xs[..n].iter().map(|x| y * at.sampling.size + x));
         }
     }
 
     /// Bilinear comparisons around each point; comparisons of weight 0 are left out.
     fn bilinear(&mut self, at: &Place<'_>, points: &[[f32; 2]]) {
         let share = 1.0 / points.len() as f64;
-        for &point in points {
-            let around = at.around(point).map(|(tap, _)| tap).into_iter();
-            let heavy = around.filter(|tap| tap.weight > 0.0);
-            self.taps.extend(heavy.map(|tap| Tap { weight: tap.weight * share, ..tap }));
+        for near in points.iter().flat_map(|&point| at.around(point)) {
+            if near.weight > 0.0 {
+                self.texels.push(near.texel);
+                self.weights.push(near.weight * share);
+            }
         }
     }
 
     fn mix(&mut self, at: &Place<'_>) {
         let Sampling { size, wrap, .. } = *at.sampling;
-        let nearest = Tap { texel: at.nearest([0.0; 2]), weight: 1.0 };
+        let nearest = at.nearest([0.0; 2]);
         let ([x0, x1], fx) = sampler::linear_axis(at.uv[0], size, wrap);
         let ([y0, y1], fy) = sampler::linear_axis(at.uv[1], size, wrap);
         let texels = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| y * size + x);
         self.mixed.push(Mix { texels, weights: [fx, fy] });
         let mut taps = [nearest; 4];
-        let others = texels.into_iter().filter(|&t| t != nearest.texel);
-        taps[1..].iter_mut().zip(others).for_each(|(tap, t)| tap.texel = t);
-        self.taps.extend(taps);
+        let others = texels.into_iter().filter(|&t| t != nearest);
+        taps[1..].iter_mut().zip(others).for_each(|(tap, t)| *tap = t);
+        self.texels.extend(taps);
     }
 }
 
@@ -259,13 +282,14 @@ mod tests {
     fn shares_add_up_and_taps_stay_within_the_stated_half_width() {
         for &filter in Filter::ALL.iter().filter(|&&f| f != Filter::Linear) {
             let uv = |i: usize| [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
-            let footprints = Footprints::of(sampling(filter, 64), &uv, 200);
+            let mut footprints = Footprints::new(sampling(filter, 64), true);
             for i in 0..200 {
-                let Footprint { taps, offsets, .. } = footprints.get(i);
-                let sum: f64 = taps.iter().map(|t| t.weight).sum();
+                let footprint = footprints.only(uv(i));
+                let Footprint { texels, offsets, .. } = footprint;
+                let sum: f64 = (0..texels.len()).map(|tap| footprint.share(tap)).sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{filter}: shares add up to {sum}");
-                assert!(taps.len() as u32 <= filter.fetches(), "{filter}: fetches");
-                assert_eq!(taps.len(), offsets.len(), "{filter}");
+                assert!(texels.len() as u32 <= filter.fetches(), "{filter}: fetches");
+                assert_eq!(texels.len(), offsets.len(), "{filter}");
                 let reach = offsets.iter().flat_map(|o| o.centre).map(|c| c.abs() * 64.0);
                 let farthest = f64::from(reach.fold(0.0, f32::max));
                 assert!(farthest <= filter.half_width() + 1e-4, "{filter}: reaches {farthest}");
@@ -277,8 +301,7 @@ mod tests {
     fn a_bilinear_comparison_at_a_texel_centre_reads_that_texel_alone() {
         let mut footprints = Footprints::new(sampling(Filter::Bilinear, 8), false);
         let footprint = footprints.only([2.5 / 8.0, 5.5 / 8.0]);
-        let taps: Vec<_> = footprint.taps.iter().map(|t| (t.texel, t.weight)).collect();
-        assert_eq!(taps, [(42, 1.0)]);
+        assert_eq!((footprint.texels, footprint.weights), (&[42][..], &[1.0][..]));
     }
 
     #[test]
@@ -287,7 +310,7 @@ mod tests {
             let (sampling, count) = (sampling(filter, 32), RUN + 100);
             let uv = |i: usize| [i as f32 * 1.9e-4, 0.99 - i as f32 * 2.1e-4];
             let footprints = Footprints::of(sampling, &uv, count);
-            let mut one = Footprints::new(sampling, true);
+            let mut one = Footprints::new(sampling, false);
             for i in 0..count {
                 assert_eq!(footprints.get(i), one.only(uv(i)), "{filter} at {i}");
             }

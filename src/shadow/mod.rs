@@ -8,6 +8,7 @@ mod few;
 mod filter;
 mod footprint;
 mod lookup;
+pub mod margins;
 mod place;
 pub mod sampler;
 
@@ -16,7 +17,7 @@ use crate::device::Device;
 use crate::scene::{MapSpec, NO_TRIANGLE, TexelFormat};
 pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth, read};
-pub use footprint::{Footprint, Footprints, Mix, Offset, Sampling, Tap};
+pub use footprint::{Footprint, Footprints, Mix, Offset, Sampling};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 use rayon::prelude::*;
 use std::slice;

@@ -1,7 +1,7 @@
 //! What a filter compares, and which texels lie there.
 
 use super::disk::{poisson16, vogel5, vogel16};
-use super::footprint::{Offset, Sampling, Tap};
+use super::footprint::{Offset, Sampling};
 use super::sampler;
 use crate::scene::Filter;
 
@@ -56,6 +56,15 @@ impl Between {
     }
 }
 
+/// One of the texels around a point.
+#[derive(Clone, Copy)]
+pub(super) struct Near {
+    pub(super) texel: u32,
+    /// Its share of the comparison.
+    pub(super) weight: f64,
+    pub(super) offset: Offset,
+}
+
 impl Place<'_> {
     /// An offset in texels as one in u or v: f32 product with f32(1/size).
     fn step(&self, texels: f32) -> f32 {
@@ -84,14 +93,14 @@ impl Place<'_> {
         (((f64::from(c) * size).floor() + 0.5) / size - f64::from(self.uv[axis])) as f32
     }
 
-    /// The four texels around a point: their shares of its comparison, their offsets.
-    pub(super) fn around(&self, point: [f32; 2]) -> [(Tap, Offset); 4] {
+    /// The four texels around a point.
+    pub(super) fn around(&self, point: [f32; 2]) -> [Near; 4] {
         let axes = [0, 1].map(|axis| self.between(axis, point[axis]));
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]: [usize; 2]| {
             let texel = axes[1].texels[y] * self.sampling.size + axes[0].texels[x];
             let centre = [axes[0].centres[x], axes[1].centres[y]];
-            let tap = Tap { texel, weight: axes[0].weight(x) * axes[1].weight(y) };
-            (tap, Offset { sample: point.map(|t| self.step(t)), centre })
+            let weight = axes[0].weight(x) * axes[1].weight(y);
+            Near { texel, weight, offset: Offset { sample: point.map(|t| self.step(t)), centre } }
         })
     }
 

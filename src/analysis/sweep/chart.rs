@@ -1,19 +1,17 @@
 //! One raster of one map size: everything that formats and biases read from it.
 
-use super::field::{Field, Sample};
-use super::looks::Looks;
-use super::reading::Reading;
+use super::field::Field;
 use super::reads::{Reads, wanted_texels};
 use super::store::{Drawn, Known};
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
-use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, draw};
+use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, Slots, draw};
 use crate::scene::{DepthBuffer, Filter, MapSpec, TexelFormat};
-use crate::shadow::bias::{Recipe, Site, Weights};
+use crate::shadow::bias::{Site, Weights};
 use crate::shadow::{self, Footprints, Sampling};
-use rayon::prelude::*;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// The formats of one raster: colour-packed passes keep the case's depth attachment and fixed-point
 /// coordinates, depth textures are their own attachment.
@@ -59,6 +57,10 @@ pub fn usable_filter(filter: Filter, texel: TexelFormat) -> Filter {
     }
 }
 
+/// What a byte says of a tap.
+const CASTERS: [StoredCaster; 4] =
+    [StoredCaster::Cleared, StoredCaster::Own, StoredCaster::Occluder, StoredCaster::Other];
+
 /// A case's casters over a map of one size, and where its receivers look.
 #[derive(Debug)]
 pub struct Chart<'f, 'a> {
@@ -71,14 +73,18 @@ pub struct Chart<'f, 'a> {
     pub(in crate::analysis) attachment: Attachment,
     pub(super) sampling: Sampling,
     pub(super) raster: Raster,
-    pub(super) fragments: Fragments,
-    /// What the raster holds at every slot of the fragments; 1 where nothing is.
+    /// The texels that receivers read.
+    pub(super) slots: Arc<Slots>,
+    /// What the raster holds at each of these; 1 where nothing is.
     pub(super) own: Drawn<'static>,
     /// What each receiver reads.
     pub(super) reads: Reads,
-    /// Whose surface each of these slots holds.
-    casters: Vec<StoredCaster>,
-    pub(super) sites: Vec<Site>,
+    /// Whose surface each tap holds: 0 not asked yet, else 1 + its place in [`CASTERS`].
+    casters: Vec<AtomicU8>,
+    /// Every fragment over these texels, once somebody asks.
+    fragments: OnceLock<Fragments>,
+    /// Weights of the receivers in no format, once somebody asks.
+    weights: OnceLock<Vec<Weights>>,
     /// The maps without a bias that were asked for.
     pub(super) stored: Mutex<Vec<Known>>,
 }
@@ -102,24 +108,19 @@ impl<'f, 'a> Chart<'f, 'a> {
         let fixed = attachment == Attachment::Colour
             && shadow::fixed_coordinates(&device, TexelFormat::Packed(Packing::R8));
         let sampling = Sampling { filter, wrap: case.lookup.wrap, size, fixed };
-        let coord = |i: usize| [0, 1].map(|axis| field.heads[i].coord[axis]);
-        let footprints = Footprints::of(sampling, &coord, field.heads.len());
-        let wanted = wanted_texels(&footprints);
-        let fragments = Fragments::collect(&device, size, clip, triangles, wanted);
-        let reads = Reads::new(footprints, &fragments);
-        let of = |(i, sample): (usize, &Sample)| -> Vec<StoredCaster> {
-            let caster = |t: u32| field.caster(sample, raster.triangle[t as usize], t, size);
-            reads.footprint(i).taps.iter().map(|tap| caster(tap.texel)).collect()
-        };
+        let receivers = &field.receivers;
+        let uv = |i: usize| [receivers.u[i], receivers.v[i]];
+        let footprints = Footprints::of(sampling, &uv, receivers.len());
+        let slots = Slots::of(size, wanted_texels(&footprints));
+        let reads = Reads::new(footprints, &slots);
         let drawn = |t: u32| match raster.triangle[t as usize] {
             NO_TRIANGLE => 1.0,
             _ => raster.depth[t as usize],
         };
         let own = Drawn {
-            depth: fragments.over_texels(drawn).into(),
-            triangle: fragments.over_texels(|t| raster.triangle[t as usize]).into(),
+            depth: slots.over_texels(drawn).into(),
+            triangle: slots.over_texels(|t| raster.triangle[t as usize]).into(),
         };
-        let casters = field.samples.par_iter().enumerate().flat_map_iter(of).collect();
         Self {
             field,
             size,
@@ -128,17 +129,41 @@ impl<'f, 'a> Chart<'f, 'a> {
             sampling,
             raster,
             own,
+            casters: (0..reads.taps()).map(|_| AtomicU8::new(0)).collect(),
             reads,
-            fragments,
-            casters,
-            sites: field.samples.par_iter().map(|s| field.site(s, size)).collect(),
+            slots: Arc::new(slots),
+            fragments: OnceLock::new(),
+            weights: OnceLock::new(),
             stored: Mutex::default(),
         }
     }
 
-    /// Whose surface each tap of a receiver reads without a bias.
-    pub(super) fn own_casters(&self, i: usize) -> &[StoredCaster] {
-        self.reads.of(i, &self.casters)
+    /// Whose surface a tap of a receiver reads without a bias; asked once.
+    #[inline]
+    pub(super) fn own_caster(&self, i: usize, tap: usize) -> StoredCaster {
+        match self.casters[self.reads.range(i).start + tap].load(Relaxed) {
+            0 => self.find_caster(i, tap),
+            place => CASTERS[usize::from(place) - 1],
+        }
+    }
+
+    #[cold]
+    fn find_caster(&self, i: usize, tap: usize) -> StoredCaster {
+        let texel = self.reads.footprint(i).texels[tap];
+        let triangle = self.raster.triangle[texel as usize];
+        let caster = self.field.caster(&self.field.samples[i], triangle, texel, self.size);
+        let place = CASTERS.iter().position(|&c| c == caster).map_or(0, |place| place as u8 + 1);
+        self.casters[self.reads.range(i).start + tap].store(place, Relaxed);
+        caster
+    }
+
+    /// Every fragment over the texels that receivers read; found once, on one thread: others wait for
+    /// it, so that it may not wait for them.
+    pub(super) fn fragments(&self) -> &Fragments {
+        let vertices = &self.field.observer.subject.vertices;
+        let (clip, triangles) = (&vertices.light_clip, &vertices.triangles);
+        self.fragments
+            .get_or_init(|| Fragments::collect(self.device(), clip, triangles, &self.slots))
     }
 
     pub(super) fn device(&self) -> &Device {
@@ -155,32 +180,23 @@ impl<'f, 'a> Chart<'f, 'a> {
         map_spec(&self.field.case().map, self.size, texel)
     }
 
-    /// Places of the receivers under this map size.
+    /// What a bias may know of a receiver under this map size.
     #[must_use]
-    pub fn sites(&self) -> &[Site] {
-        &self.sites
+    pub fn site(&self, i: usize) -> Site {
+        self.field.site(&self.field.samples[i], self.size)
     }
 
-    /// Weights of the tap-side parameters of every receiver under a format.
-    #[must_use]
-    pub fn weights(&self, texel: TexelFormat) -> Vec<Weights> {
-        let of =
-            |(sample, site): (&Sample, &Site)| Weights::at(site, quantum(texel, sample.coord[2]));
-        self.field.samples.iter().zip(&self.sites).map(of).collect()
+    /// Weights of the tap-side parameters of every receiver, in no format: a step is 0. Found once, on
+    /// one thread, like [`Self::fragments`].
+    pub(super) fn site_weights(&self) -> &[Weights] {
+        let of = |i: usize| Weights::at(&self.site(i), 0.0);
+        self.weights.get_or_init(|| (0..self.field.samples.len()).map(of).collect())
     }
 
-    /// All comparisons of all receivers under a format and a recipe.
+    /// Weights of the tap-side parameters of a receiver under a format.
     #[must_use]
-    pub fn looks(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<Looks> {
-        self.read(texel, recipe, Reading::All).into_iter().map(|(_, looks)| looks).collect()
-    }
-
-    /// The comparisons of those receivers that can be wrong at some tap bias ≥ 0; of all where the effort
-    /// leaves nothing out.
-    #[must_use]
-    pub fn breakable(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<(u32, Looks)> {
-        let reading = if self.field.skips() { Reading::Breakable } else { Reading::All };
-        self.read(texel, recipe, reading)
+    pub fn weights(&self, texel: TexelFormat, i: usize) -> Weights {
+        self.site_weights()[i].with_step(quantum(texel, self.field.receivers.z[i]))
     }
 
     /// The indices of all receivers.

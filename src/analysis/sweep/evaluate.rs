@@ -1,11 +1,11 @@
 //! One strategy along its parameter: exact from breakpoints, or evaluated value by value.
 
 use super::chart::{Attachment, Chart};
-use super::looks::{self, Looks};
-use super::tally::{Curve, Kind, Tally};
+use super::tally::{Kind, Tally};
+use super::taps::Taps;
 use super::values;
-use crate::scene::{CompareRule, Filter, TexelFormat};
-use crate::shadow::bias::{Family, Strategy, Weights};
+use crate::scene::{Filter, TexelFormat};
+use crate::shadow::bias::{Family, Strategy};
 use rayon::prelude::*;
 
 /// Counts at one amount.
@@ -116,71 +116,15 @@ pub fn sweep_formats(
     }
 }
 
-/// Tap biases of every receiver at any amount of a strategy.
-#[derive(Debug)]
-pub struct Taps {
-    /// Weight and bound of each receiver.
-    weights: Vec<(f32, f32)>,
-}
-
-impl Taps {
-    /// Of a strategy under given weights.
-    #[must_use]
-    pub fn new(strategy: Strategy, weights: &[Weights]) -> Self {
-        Self { weights: weights.iter().map(|w| w.of(strategy)).collect() }
-    }
-
-    /// The literal f32 bias of receiver i at an amount.
-    #[must_use]
-    pub fn bias(&self, i: usize, amount: f32) -> f32 {
-        let (weight, bound) = self.weights[i];
-        (amount * weight).min(bound)
-    }
-
-    /// Bias per amount, roughly.
-    fn scale(&self, i: usize) -> f32 {
-        let weight = self.weights[i].0;
-        if weight > 0.0 { weight } else { 1.0 }
-    }
-
-    /// The exact curve of the comparisons of all receivers.
-    #[must_use]
-    pub fn curve(&self, looks: &[Looks], rule: CompareRule) -> Curve {
-        self.curve_of(looks.iter().enumerate(), rule)
-    }
-
-    /// The exact curve of a strategy on a chart.
-    #[must_use]
-    pub fn curve_on(
-        &self,
-        chart: &Chart<'_, '_>,
-        format: TexelFormat,
-        strategy: Strategy,
-    ) -> Curve {
-        let looks = chart.breakable(format, &strategy.with(0.0));
-        let indexed = looks.iter().map(|(i, looks)| (*i as usize, looks));
-        self.curve_of(indexed, chart.field.case().lookup.compare)
-    }
-
-    fn curve_of<'l>(
-        &self,
-        looks: impl Iterator<Item = (usize, &'l Looks)>,
-        rule: CompareRule,
-    ) -> Curve {
-        looks::curve(looks, rule, |i, a| self.bias(i, a), |i| self.scale(i))
-    }
-}
-
 fn by_breakpoints(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limit: i64) -> Swept {
-    let weights = chart.weights(swept.format);
-    let taps = Taps::new(swept.strategy, &weights);
+    let taps = Taps::on(chart, swept.format, swept.strategy);
     let curve = taps.curve_on(chart, swept.format, swept.strategy);
     let point = |((&amount, tally), gap): ((&f32, Tally), f64)| Point { amount, tally, gap };
     let tallies = amounts.iter().zip(curve.at(amounts));
     swept.points = tallies.zip(curve.gaps_at(amounts)).map(point).collect();
     swept.critical = curve.critical;
     swept.detachment = curve.first(Kind::PeterPanning);
-    swept.acne_free = curve.quiet_from(limit, &[Kind::Acne]).map(|amount| Point {
+    swept.acne_free = curve.quiet_from(limit, Kind::Acne).map(|amount| Point {
         amount,
         tally: curve.at(&[amount])[0],
         gap: curve.gaps_at(&[amount])[0],

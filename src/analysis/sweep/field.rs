@@ -1,6 +1,7 @@
 //! The receivers of a case with their truth: found once, looked up under every map, format and bias.
 
 use super::moves::{self, Moves};
+use super::receivers::Receivers;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
@@ -37,17 +38,6 @@ pub struct Sample {
     pub gradient: DVec2,
 }
 
-/// What every verdict asks of a receiver first, side by side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Head {
-    /// Map coordinates and depth as the subject computes them.
-    pub(super) coord: [f32; 3],
-    /// Whether it is truly lit.
-    pub(super) lit: bool,
-    /// Window depth between it and its first occluder; +∞ where it has none.
-    pub(super) gap: f64,
-}
-
 /// All counted receivers of a case.
 #[derive(Debug)]
 pub struct Field<'a> {
@@ -55,7 +45,7 @@ pub struct Field<'a> {
     pub observer: Arc<Observer<'a>>,
     /// Row by row from the bottom.
     pub samples: Vec<Sample>,
-    pub(super) heads: Vec<Head>,
+    pub(super) receivers: Receivers,
     /// Truly lit and truly shadowed.
     pub populations: [u64; 2],
     /// Where receivers look under each move that was asked for, for all maps and formats.
@@ -103,9 +93,8 @@ impl<'a> Field<'a> {
     fn of(observer: Arc<Observer<'a>>, samples: Vec<Sample>) -> Self {
         let lit = samples.iter().filter(|s| s.lit).count() as u64;
         let populations = [lit, samples.len() as u64 - lit];
-        let heads =
-            samples.iter().map(|s| Head { coord: s.coord, lit: s.lit, gap: s.gap }).collect();
-        Self { populations, observer, samples, heads, moves: Moves::default() }
+        let receivers = Receivers::of(&samples);
+        Self { populations, observer, samples, receivers, moves: Moves::default() }
     }
 
     /// The same receivers, each looking from where a recipe moves it under a map of `size`² texels; those

@@ -1,6 +1,8 @@
 //! The comparisons of all receivers under one map: what each tap compares, and how errors are named.
 
-use super::tally::{Curve, Kind, SHARE, Tally};
+use super::curve::Curve;
+use super::tally::{Kind, SHARE, Tally};
+use super::turns::{Held, Turns};
 use crate::analysis::classify::{self, Artifact, StoredCaster};
 use crate::scene::CompareRule;
 use crate::shadow::{Few, breakpoint_where};
@@ -97,94 +99,44 @@ impl Looks {
         scale: f32,
         curve: &mut Curve,
     ) {
-        if self.taps.is_empty() {
-            if !self.lit {
-                curve.count(Kind::LightLeak, f32::NEG_INFINITY, f32::INFINITY);
-            }
-            return;
-        }
-        if self.lit && self.taps.iter().all(|look| rule.is_lit(look.z, look.stored, bias(0.0))) {
-            return;
-        }
         let first_lit = |look: &Look| {
             let guess = rule.turning_point(look.z, look.stored) / scale;
             breakpoint_where(guess, |a| rule.is_lit(look.z, look.stored, bias(a)))
         };
         let breakpoints: Few<f32> = self.taps.iter().map(first_lit).collect();
-        for (look, &b) in self.taps.iter().zip(&breakpoints) {
-            curve.lights(self.lit, b, look.share);
-        }
-        if self.lit {
-            self.darkness(&breakpoints, curve);
-        } else {
-            self.brightness(&breakpoints, bias, scale, curve);
-        }
-        self.bounds(&breakpoints, curve);
+        let Self { lit, inside, centre, .. } = *self;
+        let held = Kept { looks: self, bias, scale };
+        Turns { lit, inside, centre, breakpoints: &breakpoints, held }.count(curve);
+    }
+}
+
+/// Comparisons that are kept, under a bias.
+struct Kept<'l, B> {
+    looks: &'l Looks,
+    bias: &'l B,
+    scale: f32,
+}
+
+impl<B: Fn(f32) -> f32> Held for Kept<'_, B> {
+    fn caster(&self, tap: usize) -> StoredCaster {
+        self.looks.taps[tap].caster
     }
 
-    /// Where a truly lit receiver is dark: the centre tap decides up to its breakpoint, then the first
-    /// tap in order that is still dark.
-    fn darkness(&self, breakpoints: &[f32], curve: &mut Curve) {
-        let mut until = breakpoints[self.centre];
-        let dark = |look: &Look| shadow_kind(look.caster, look.sound);
-        curve.count(dark(&self.taps[self.centre]), f32::NEG_INFINITY, until);
-        for (look, &b) in self.taps.iter().zip(breakpoints) {
-            curve.count(dark(look), until, b);
-            until = until.max(b);
-        }
+    fn is_sound(&self, tap: usize) -> bool {
+        self.looks.taps[tap].sound
     }
 
-    /// Where a truly shadowed receiver is lit: the centre tap decides from its breakpoint on, below it
-    /// the first tap in order that is already lit.
-    fn brightness(
-        &self,
-        breakpoints: &[f32],
-        bias: &impl Fn(f32) -> f32,
-        scale: f32,
-        curve: &mut Curve,
-    ) {
-        let mut known = None;
-        let mut lit = |look: &Look, from: f32, until: f32| {
-            if look.caster != StoredCaster::Occluder {
-                return curve.count(light_kind(look.caster, false), from, until);
-            }
-            let hides = match known {
-                Some((gained, hides)) if gained == look.gained => hides,
-                _ => self.hides(look.gained, bias, scale),
-            };
-            known = Some((look.gained, hides));
-            curve.count(Kind::LightLeak, from, until.min(hides));
-            curve.count(Kind::PeterPanning, from.max(hides), until);
-            if from.max(hides) < until {
-                curve.panned(from.max(hides), self.inside);
-            }
-        };
-        let mut until = breakpoints[self.centre];
-        lit(&self.taps[self.centre], until, f32::INFINITY);
-        for (look, &b) in self.taps.iter().zip(breakpoints) {
-            lit(look, b, until);
-            until = until.min(b);
-        }
+    fn share(&self, tap: usize) -> i64 {
+        self.looks.taps[tap].share
     }
 
-    /// The amount from which the bias alone loses the occluder, under a caster moved by `gained`.
-    fn hides(&self, gained: f64, bias: &impl Fn(f32) -> f32, scale: f32) -> f32 {
-        if self.moved_into_light {
+    fn hides(&self, tap: usize) -> f32 {
+        if self.looks.moved_into_light {
             return f32::NEG_INFINITY;
         }
-        let guess = (self.gap - gained) as f32 / scale;
-        breakpoint_where(guess, |a| f64::from(bias(a)) + gained >= self.gap)
-    }
-
-    fn bounds(&self, breakpoints: &[f32], curve: &mut Curve) {
-        let own = self.taps.iter().all(|l| l.caster == StoredCaster::Own);
-        if self.lit && own {
-            let last = breakpoints.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            curve.critical = Some(curve.critical.map_or(last, |b| b.max(last)));
-        } else if !self.lit && self.taps[self.centre].caster == StoredCaster::Occluder {
-            let first = breakpoints.iter().copied().fold(f32::INFINITY, f32::min);
-            curve.detachment = Some(curve.detachment.map_or(first, |b| b.min(first)));
-        }
+        let (gap, gained) = (self.looks.gap, self.looks.taps[tap].gained);
+        let guess = (gap - gained) as f32 / self.scale;
+        breakpoint_where(guess, |a| f64::from((self.bias)(a)) + gained >= gap)
     }
 }
 
@@ -207,7 +159,7 @@ pub fn curve<'l>(
     bias: impl Fn(usize, f32) -> f32,
     scale: impl Fn(usize) -> f32,
 ) -> Curve {
-    let mut curve = Curve::default();
+    let mut curve = Curve::new(false);
     for (i, look) in looks {
         look.break_down(rule, &|a| bias(i, a), scale(i), &mut curve);
     }

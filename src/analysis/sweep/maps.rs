@@ -12,7 +12,7 @@ use crate::shadow::bias::{Layers, Recipe, Site};
 use glam::{DVec3, Vec4};
 
 /// Whose surface a tap holds, given receiver, tap and texel, and how far the bias moved it.
-pub(super) type Surface<'s> = dyn Fn(usize, usize, u32) -> (StoredCaster, f64) + 's;
+pub(super) type Surface<'s> = dyn Fn(usize, usize, u32) -> (StoredCaster, f64) + Sync + 's;
 
 impl Chart<'_, '_> {
     /// The maps under a recipe as the receivers of `which` read them, one a format.
@@ -26,7 +26,7 @@ impl Chart<'_, '_> {
         if recipe.moves_vertices() {
             self.with_resolved(texels, recipe, &self.fragments_moved(recipe), which, then)
         } else if recipe.changes_map() {
-            self.with_resolved(texels, recipe, &self.fragments, which, then)
+            self.with_resolved(texels, recipe, self.fragments(), which, then)
         } else {
             self.with_own(texels, recipe.moves_receiver(), then)
         }
@@ -42,7 +42,7 @@ impl Chart<'_, '_> {
         let raster = &self.raster;
         let (depth, triangle, places) = match moved {
             true => (&*raster.depth, &*raster.triangle, Places::Texels),
-            false => (&*self.own.depth, &*self.own.triangle, Places::Slots(&self.fragments)),
+            false => (&*self.own.depth, &*self.own.triangle, Places::Slots(&self.slots)),
         };
         let drawn = Drawn { depth: depth.into(), triangle: triangle.into() };
         let store = |&texel: &TexelFormat| self.own_store(texel, &drawn, &places);
@@ -50,7 +50,7 @@ impl Chart<'_, '_> {
         then(&stores, &|i, tap, t| {
             let caster = match moved {
                 true => self.caster(i, tap, raster.triangle[t as usize], t),
-                false => self.own_casters(i)[tap],
+                false => self.own_caster(i, tap),
             };
             (caster, 0.0)
         })
@@ -69,17 +69,17 @@ impl Chart<'_, '_> {
         let depth_texture = self.attachment == Attachment::Depth;
         assert!(texels.len() == 1 || !depth_texture, "depth textures are their own attachments");
         let (slots, places) = match which.len() == self.field.samples.len() {
-            true => ((0..fragments.len() as u32).collect(), Places::Slots(fragments)),
+            true => ((0..self.slots.len() as u32).collect(), Places::Slots(&self.slots)),
             false => {
-                let (slots, place) = self.reads.by(which, fragments.len());
-                (slots, Places::Read { slots: fragments, place })
+                let (slots, place) = self.reads.by(which, self.slots.len());
+                (slots, Places::Read { slots: &self.slots, place })
             }
         };
         let drawn = self.resolved(texels[0], recipe, fragments, &slots);
         let store = |&texel: &TexelFormat| self.other_store(texel, &drawn, &places);
         let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
         then(&stores, &|i, tap, t| {
-            let (slot, place) = (fragments.slot(t), places.of(t));
+            let (slot, place) = (self.slots.slot(t), places.of(t));
             let gained = drawn.depth[place] - self.own.depth[slot];
             (self.caster(i, tap, drawn.triangle[place], t), f64::from(gained))
         })
@@ -136,7 +136,7 @@ impl Chart<'_, '_> {
     }
 
     /// The fragments after casters' vertices have moved in world space (f64), transformed by the f32
-    /// clip matrix of the light; their slots are those of the chart's own fragments.
+    /// clip matrix of the light; their slots are the chart's own.
     fn fragments_moved(&self, recipe: &Recipe) -> Fragments {
         let observer = &self.field.observer;
         let case = self.field.case();
@@ -159,8 +159,7 @@ impl Chart<'_, '_> {
         };
         let geometry = &observer.geometry;
         let clip: Vec<Vec4> = geometry.positions.iter().zip(&normals).map(clip).collect();
-        let wanted = self.reads.texels();
-        Fragments::collect(device, self.size, &clip, &geometry.triangles, wanted)
+        Fragments::collect(device, &clip, &geometry.triangles, &self.slots)
     }
 }
 

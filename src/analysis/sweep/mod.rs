@@ -1,22 +1,28 @@
 //! Sweeps: every format, filter and bias strategy of a case from one raster per map size and one truth.
 
+mod block;
 pub mod chart;
+pub mod curve;
 pub mod evaluate;
 pub mod field;
 pub mod gate;
 pub mod looks;
 mod maps;
+mod margins;
 mod moves;
 pub mod pictures;
 pub mod plan;
 pub(super) mod plots;
 mod reading;
 mod reads;
+mod receivers;
 pub mod report;
 pub mod shard;
 mod store;
 pub mod tally;
+pub mod taps;
 mod theory;
+mod turns;
 mod values;
 mod verdicts;
 pub mod wrong;

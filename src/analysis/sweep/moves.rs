@@ -3,7 +3,7 @@
 
 use super::chart::Chart;
 use super::field::{Field, Sample};
-use crate::shadow::bias::{Recipe, Site};
+use crate::shadow::bias::Recipe;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -54,7 +54,7 @@ impl Moving<'_> {
     }
 
     fn offset(&self, i: usize) -> DVec3 {
-        self.recipe.receiver_offset(&self.chart.sites[i])
+        self.recipe.receiver_offset(&self.chart.site(i))
     }
 
     /// The subject's coordinates of receiver `i`; `None` behind the light.
@@ -98,11 +98,11 @@ impl Chart<'_, '_> {
         let all = which.len() == samples.len();
         let known = all.then(|| {
             let entry = self.field.moves.of(recipe, self.size);
-            let coord = |(sample, site): (&Sample, &Site)| {
-                moved(self.field, sample, recipe.receiver_offset(site))
+            let coord = |(i, sample): (usize, &Sample)| {
+                moved(self.field, sample, recipe.receiver_offset(&self.site(i)))
             };
             entry.get_or_init(|| Moved {
-                coords: samples.iter().zip(&self.sites).map(coord).collect(),
+                coords: samples.iter().enumerate().map(coord).collect(),
                 lit: samples.iter().map(|_| AtomicU8::new(0)).collect(),
             });
             entry

@@ -1,11 +1,10 @@
 //! What a swept amount looks like: classified pictures along the bias axis and EXR layers.
 
 use super::chart::{Attachment, Chart, usable_filter};
-use super::evaluate::Taps;
 use super::field::Field;
 use super::looks::Looks;
 use super::tally::Kind;
-use super::wrong::Formatted;
+use super::taps::Taps;
 use crate::report::{Colour, ExrImage, Picture};
 use crate::scene::TexelFormat;
 use crate::shadow::bias::Strategy;
@@ -32,7 +31,7 @@ fn paint(rgb: &mut [u8], place: u32, colour: Colour) {
 #[derive(Debug)]
 pub struct Gallery<'f, 'a> {
     chart: Chart<'f, 'a>,
-    format: Formatted,
+    format: TexelFormat,
     step: u32,
     /// The picture of a map that is never wrong, and where on it each receiver is.
     right: Vec<u8>,
@@ -60,7 +59,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
         for (sample, &place) in field.samples.iter().zip(&places) {
             paint(&mut right, place, if sample.lit { Colour::White } else { Colour::Grey });
         }
-        Self { format: chart.formatted(format), chart, step, right, places }
+        Self { format, chart, step, right, places }
     }
 
     fn size(&self) -> [u32; 2] {
@@ -68,8 +67,8 @@ impl<'f, 'a> Gallery<'f, 'a> {
     }
 
     fn shown(&self, strategy: Strategy, amount: f32) -> Shown {
-        let looks = self.chart.looks(self.format.texel, &strategy.with(amount));
-        let taps = Taps::new(strategy, &self.format.weights);
+        let looks = self.chart.looks(self.format, &strategy.with(amount));
+        let taps = Taps::on(&self.chart, self.format, strategy);
         Shown { bias: (0..looks.len()).map(|i| taps.bias(i, amount)).collect(), looks }
     }
 
@@ -78,7 +77,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
     pub fn picture(&self, id: &str, strategy: Strategy, amount: f32, caption: String) -> Picture {
         let [width, height] = self.size();
         let recipe = strategy.with(amount);
-        let found = self.chart.wrong(&[&self.format], &recipe, &self.chart.all());
+        let found = self.chart.wrong(&[self.format], &recipe, &self.chart.all());
         let (mut rgb, mut count) = (self.right.clone(), 0);
         for wrong in found.iter().flatten() {
             paint(&mut rgb, self.places[wrong.receiver as usize], colour(wrong.kind));
@@ -136,7 +135,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
             channels: names.iter().map(|n| (*n).to_string()).zip(layers).collect(),
             metadata: json!({
                 "case": self.chart.field.case().name,
-                "format": self.format.texel.name(),
+                "format": self.format.name(),
                 "strategy": strategy.name(),
                 "amount": amount,
                 "unit": strategy.unit(),

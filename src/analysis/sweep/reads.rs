@@ -1,7 +1,9 @@
-//! What each receiver of a chart reads: its taps, and the slots of the chart's fragments under them.
+//! What each receiver of a chart reads: the texels of its taps, and their slots.
 
-use crate::raster::Fragments;
+use crate::raster::Slots;
 use crate::shadow::{Footprint, Footprints};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// The taps of every receiver and their slots.
 #[derive(Debug)]
@@ -13,38 +15,55 @@ pub(super) struct Reads {
     mixed: Vec<[u32; 4]>,
 }
 
-/// The texels that footprints read, in their order.
-pub(super) fn wanted_texels(footprints: &Footprints) -> impl Iterator<Item = u32> {
-    let taps = footprints.taps().iter().map(|tap| tap.texel);
-    taps.chain(footprints.mixed().iter().flat_map(|mix| mix.texels))
+/// The texels that footprints read.
+pub(super) fn wanted_texels(footprints: &Footprints) -> impl ParallelIterator<Item = u32> {
+    let taps = footprints.texels().par_iter().with_min_len(1 << 12).copied();
+    taps.chain(footprints.mixed().par_iter().flat_map_iter(|mix| mix.texels))
 }
 
 impl Reads {
-    pub(super) fn new(footprints: Footprints, fragments: &Fragments) -> Self {
-        let slot = |texel: u32| fragments.slot(texel) as u32;
-        let slots = footprints.taps().iter().map(|tap| slot(tap.texel)).collect();
-        let mixed = footprints.mixed().iter().map(|mix| mix.texels.map(slot)).collect();
-        Self { footprints, slots, mixed }
+    pub(super) fn new(footprints: Footprints, slots: &Slots) -> Self {
+        let slot = |&texel: &u32| slots.slot(texel) as u32;
+        let taps = footprints.texels().par_iter().with_min_len(1 << 12).map(slot).collect();
+        let mixed = footprints.mixed().iter().map(|mix| mix.texels.map(|t| slot(&t))).collect();
+        Self { footprints, slots: taps, mixed }
     }
 
-    /// The texels that are read.
-    pub(super) fn texels(&self) -> impl Iterator<Item = u32> {
-        wanted_texels(&self.footprints)
-    }
-
-    /// The footprint of a receiver.
+    /// The footprint of a receiver, without offsets.
     pub(super) fn footprint(&self, receiver: usize) -> Footprint<'_> {
         self.footprints.get(receiver)
     }
 
-    /// Of a list over all taps, those of a receiver.
-    pub(super) fn of<'l, T>(&self, receiver: usize, all: &'l [T]) -> &'l [T] {
-        &all[self.footprints.range(receiver)]
+    /// Where the taps of a receiver lie in a list over all taps.
+    #[inline]
+    pub(super) fn range(&self, receiver: usize) -> Range<usize> {
+        self.footprints.range(receiver)
+    }
+
+    /// Taps of each receiver where all have as many.
+    pub(super) fn each(&self) -> Option<usize> {
+        self.footprints.each()
+    }
+
+    /// Whether taps are mixed before they are compared.
+    pub(super) fn are_mixed(&self) -> bool {
+        !self.mixed.is_empty()
+    }
+
+    /// How many taps there are.
+    pub(super) fn taps(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// The slot of each tap of all receivers.
+    pub(super) fn all_slots(&self) -> &[u32] {
+        &self.slots
     }
 
     /// The slots of a receiver's taps.
+    #[inline]
     pub(super) fn slots(&self, receiver: usize) -> &[u32] {
-        self.of(receiver, &self.slots)
+        &self.slots[self.range(receiver)]
     }
 
     /// The slots that a receiver mixes.

@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use crate::device::Device;
-use crate::raster::{Fragments, NO_TRIANGLE};
+use crate::raster::{NO_TRIANGLE, Slots};
 use crate::scene::{MapSpec, TexelFormat};
 use crate::shadow::{self, Stored, Texels};
 use std::borrow::Cow;
@@ -29,9 +29,9 @@ pub(super) enum Places<'p> {
     /// At its own index.
     Texels,
     /// At its slot.
-    Slots(&'p Fragments),
+    Slots(&'p Slots),
     /// At the place of its slot, which has one where somebody reads it.
-    Read { slots: &'p Fragments, place: Vec<u32> },
+    Read { slots: &'p Slots, place: Vec<u32> },
 }
 
 impl Places<'_> {

@@ -4,7 +4,8 @@
 use super::chart::{Attachment, Chart};
 use super::evaluate::{Point, Swept};
 use super::tally::{Kind, Tally};
-use super::wrong::{Formatted, Wrong};
+use super::wrong::Wrong;
+use crate::scene::TexelFormat;
 use crate::shadow::bias::{Family, Layers, Strategy};
 use rayon::prelude::*;
 
@@ -26,7 +27,7 @@ fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
 /// A strategy on a chart, to be evaluated at any amount.
 struct Literal<'c, 'f, 'a> {
     chart: &'c Chart<'f, 'a>,
-    format: Formatted,
+    format: TexelFormat,
     strategy: Strategy,
     all: &'c [u32],
 }
@@ -34,7 +35,7 @@ struct Literal<'c, 'f, 'a> {
 impl Literal<'_, '_, '_> {
     /// The counts over the receivers of `which`.
     fn at(&self, amount: f32, which: &[u32]) -> Evaluated {
-        let wrong = self.chart.wrong(&[&self.format], &self.strategy.with(amount), which);
+        let wrong = self.chart.wrong(&[self.format], &self.strategy.with(amount), which);
         self.counted(amount, wrong.into_iter().flatten().collect())
     }
 
@@ -57,7 +58,7 @@ impl Literal<'_, '_, '_> {
             && self.strategy.family() == Family::Map
             && recipe.layers == Layers::Nearest
             && recipe.oriented == 0.0
-            && Attachment::of(self.format.texel) == Attachment::Depth
+            && Attachment::of(self.format) == Attachment::Depth
     }
 
     /// Every amount, ascending, where more only lights: a receiver that is right at two amounts is right
@@ -136,7 +137,7 @@ const BISECTIONS: u32 = 10;
 /// list by format.
 fn shared_grid(literals: &[Literal<'_, '_, '_>], amounts: &[f32]) -> Vec<Vec<Evaluated>> {
     let Some(Literal { chart, strategy, all, .. }) = literals.first() else { return Vec::new() };
-    let formats: Vec<&Formatted> = literals.iter().map(|l| &l.format).collect();
+    let formats: Vec<TexelFormat> = literals.iter().map(|l| l.format).collect();
     let at = |&amount: &f32| chart.wrong(&formats, &strategy.with(amount), all);
     let mut found: Vec<_> = amounts.par_iter().map(at).collect();
     let grid = |(k, literal): (usize, &Literal<'_, '_, '_>)| {
@@ -154,12 +155,7 @@ pub(super) fn by_values(
     limit: i64,
 ) -> Vec<Swept> {
     let all = chart.all();
-    let literal = |s: &Swept| Literal {
-        chart,
-        format: chart.formatted(s.format),
-        strategy: s.strategy,
-        all: &all,
-    };
+    let literal = |s: &Swept| Literal { chart, format: s.format, strategy: s.strategy, all: &all };
     let (lighting, others): (Vec<_>, Vec<_>) =
         swept.into_iter().map(|s| (literal(&s), s)).partition(|(l, _)| l.only_lights());
     let (literals, bases): (Vec<_>, Vec<_>) = others.into_iter().unzip();

@@ -1,7 +1,7 @@
 //! Who is wrong at one amount, and how: the literal verdicts, without keeping anybody's comparisons.
 
+use super::block::{Block, RECEIVERS};
 use super::chart::Chart;
-use super::field::Head;
 use super::looks::{light_kind, shadow_kind};
 use super::maps::Surface;
 use super::reading::{compared, is_sound, mixed_tap};
@@ -9,8 +9,9 @@ use super::store::Store;
 use super::tally::{Kind, SHARE, Tally};
 use crate::analysis::classify::StoredCaster;
 use crate::scene::{Filter, LookupSpec, TexelFormat};
-use crate::shadow::bias::{Follow, Recipe, Weights};
+use crate::shadow::bias::{Follow, Recipe};
 use crate::shadow::{self, Footprint, Footprints, Texels};
+use crate::simd::Level;
 
 /// A receiver with a wrong verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,49 +45,29 @@ struct Look<'l> {
     footprint: Footprint<'l>,
 }
 
-/// A format on a chart, and the weights of all receivers under it.
-#[derive(Clone, Debug)]
-pub struct Formatted {
-    /// The format.
-    pub texel: TexelFormat,
-    /// In the order of the receivers.
-    pub weights: Vec<Weights>,
-}
-
 /// A recipe on a chart under one format.
 struct Verdicts<'v> {
     chart: &'v Chart<'v, 'v>,
     recipe: &'v Recipe,
     store: &'v Store<'v>,
     surface: &'v Surface<'v>,
-    weights: &'v [Weights],
 }
 
 impl Chart<'_, '_> {
-    /// A format of this chart with its weights.
-    #[must_use]
-    pub fn formatted(&self, texel: TexelFormat) -> Formatted {
-        Formatted { texel, weights: self.weights(texel) }
-    }
-
     /// The receivers of `which` that are wrong under a recipe, in that order, format by format: the same
     /// verdicts as [`super::looks::Looks::verdict`] of [`Chart::looks`]. The formats share where receivers
     /// look and, if the recipe changes the map, its depths before they are stored: they need the same
     /// depth attachment then.
     #[must_use]
-    pub fn wrong(&self, formats: &[&Formatted], recipe: &Recipe, which: &[u32]) -> Vec<Vec<Wrong>> {
-        let texels: Vec<TexelFormat> = formats.iter().map(|f| f.texel).collect();
-        self.with_maps(&texels, recipe, which, |stores, surface| {
-            let pairs = stores.iter().zip(formats);
-            let verdicts: Vec<Verdicts<'_>> = pairs
-                .map(|(store, format)| Verdicts {
-                    chart: self,
-                    recipe,
-                    store,
-                    surface,
-                    weights: &format.weights,
-                })
-                .collect();
+    pub fn wrong(
+        &self,
+        formats: &[TexelFormat],
+        recipe: &Recipe,
+        which: &[u32],
+    ) -> Vec<Vec<Wrong>> {
+        self.with_maps(formats, recipe, which, |stores, surface| {
+            let verdict = |store| Verdicts { chart: self, recipe, store, surface };
+            let verdicts: Vec<Verdicts<'_>> = stores.iter().map(verdict).collect();
             match recipe.moves_receiver() {
                 true => self.wrong_moved(&verdicts, recipe, which),
                 false => verdicts.iter().map(|v| v.in_place(which)).collect(),
@@ -109,7 +90,7 @@ impl Chart<'_, '_> {
         let widest = verdicts.iter().map(|v| v.store.error()).fold(0.0, f32::max);
         for &receiver in which {
             let i = receiver as usize;
-            let lit = self.field.heads[i].lit;
+            let lit = self.field.receivers.lit[i];
             let Some(coord) = moves.coord(i) else {
                 found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, lit)));
                 continue;
@@ -154,8 +135,8 @@ impl<'v> Screen<'v> {
         if self.spec.range_test && !shadow::in_square(*coord) {
             return *lit;
         }
-        footprint.taps.iter().all(|tap| {
-            let drawn = self.drawn[tap.texel as usize];
+        footprint.texels.iter().all(|&texel| {
+            let drawn = self.drawn[texel as usize];
             let utmost = match lit {
                 true => (drawn - error).next_down(),
                 false => (drawn + error).next_up(),
@@ -165,25 +146,59 @@ impl<'v> Screen<'v> {
     }
 }
 
+/// Tells of receivers at their own places, many at a time, whether they are right.
+#[derive(Default)]
+struct Screened {
+    block: Block,
+    lit: Vec<bool>,
+}
+
+impl Screened {
+    /// Those of some receivers with a comparison that does not say what is true, or without any.
+    fn suspects(&mut self, verdicts: &Verdicts<'_>, which: &[u32]) -> Vec<u32> {
+        let Verdicts { chart, recipe, store, .. } = verdicts;
+        let (receivers, spec) = (&chart.field.receivers, &chart.field.case().lookup);
+        self.block.read(chart, store, which, recipe.follow, |i| verdicts.bias(i));
+        self.lit.resize(self.block.len(), false);
+        self.block.margins(f32::INFINITY).lit(Level::best(), spec.compare, 1.0, &mut self.lit);
+        let suspect = |&(place, &receiver): &(usize, &u32)| {
+            let i = receiver as usize;
+            let agrees =
+                self.lit[self.block.range(place)].iter().all(|&lit| lit == receivers.lit[i]);
+            !agrees || chart.is_unlooked(receivers.coord(i))
+        };
+        let places = which.iter().enumerate().filter(suspect);
+        places.map(|(_, &receiver)| receiver).collect()
+    }
+}
+
 impl Verdicts<'_> {
     /// Of receivers that look from where they are.
     fn in_place(&self, which: &[u32]) -> Vec<Wrong> {
-        let of = |&receiver: &u32| {
+        let follows = self.recipe.follow != Follow::Receiver;
+        let mut footprints = Footprints::new(self.chart.sampling, true);
+        let receivers = &self.chart.field.receivers;
+        let mut of = |receiver: u32| {
             let i = receiver as usize;
-            let plain = self.recipe.follow == Follow::Receiver && self.chart.field.skips();
-            if plain && self.chart.agrees(self.store, i, self.bias(i)) {
-                return None;
-            }
-            let Head { coord, lit, .. } = self.chart.field.heads[i];
-            let look = Look { lit, coord, footprint: self.chart.reads.footprint(i) };
-            self.wrong(receiver, &look, || false)
+            let (coord, lit) = (receivers.coord(i), receivers.lit[i]);
+            let footprint = match follows {
+                true => footprints.only([coord[0], coord[1]]),
+                false => self.chart.reads.footprint(i),
+            };
+            self.wrong(receiver, &Look { lit, coord, footprint }, || false)
         };
-        which.iter().filter_map(of).collect()
+        if !self.chart.field.skips() {
+            return which.iter().filter_map(|&receiver| of(receiver)).collect();
+        }
+        let mut screened = Screened::default();
+        let blocks = which.chunks(RECEIVERS);
+        blocks.flat_map(|block| screened.suspects(self, block)).filter_map(&mut of).collect()
     }
 
     /// The bias of every tap of a receiver.
     fn bias(&self, i: usize) -> f32 {
-        self.recipe.common_bias().unwrap_or_else(|| self.recipe.tap_bias(&self.weights[i]))
+        let weighed = || self.recipe.tap_bias(&self.chart.weights(self.store.format(), i));
+        self.recipe.common_bias().unwrap_or_else(weighed)
     }
 
     /// What is wrong about one receiver; `moved_into_light` is asked where the answer depends on it.
@@ -201,7 +216,6 @@ impl Verdicts<'_> {
         if spec.range_test && !shadow::in_square(coord) {
             return Wrong::unlooked(receiver, lit);
         }
-        let taps = footprint.taps;
         let is_wrong = |i: usize, depth: f32| {
             let z = match follow {
                 Follow::Receiver => coord[2],
@@ -219,14 +233,14 @@ impl Verdicts<'_> {
         } else {
             self.deciding(footprint, is_wrong)?
         };
-        let texel = taps[deciding].texel;
+        let texel = footprint.texels[deciding];
         let (caster, gained) = (self.surface)(receiver as usize, deciding, texel);
         let kind = if lit {
             let read = self.store.depth(chart.device(), texel as usize);
             shadow_kind(caster, is_sound(self.store.drawn(texel), read))
         } else {
             let hidden = || {
-                f64::from(bias) + gained >= chart.field.heads[receiver as usize].gap
+                f64::from(bias) + gained >= chart.field.receivers.gap[receiver as usize]
                     || moved_into_light()
             };
             light_kind(caster, caster == StoredCaster::Occluder && hidden())
@@ -242,11 +256,11 @@ impl Verdicts<'_> {
     ) -> Option<(usize, i64)> {
         let centre = footprint.centre();
         let mut found: Option<(usize, i64)> = None;
-        for (i, tap) in footprint.taps.iter().enumerate() {
-            if is_wrong(i, self.store.depth(self.chart.device(), tap.texel as usize)) {
+        for (i, &texel) in footprint.texels.iter().enumerate() {
+            if is_wrong(i, self.store.depth(self.chart.device(), texel as usize)) {
                 let (first, share) = found.unwrap_or((i, 0));
                 let deciding = if i == centre { i } else { first };
-                found = Some((deciding, share + (tap.weight * SHARE) as i64));
+                found = Some((deciding, share + (footprint.share(i) * SHARE) as i64));
             }
         }
         found

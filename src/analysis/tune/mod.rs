@@ -181,15 +181,14 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     let casters = Recipe { normal: NormalMove::default(), light: 0.0, ..recipe };
     let field = chart.field.looking_from(&recipe, chart.size);
     let there = Chart::new(&field, chart.size, chart.filter, Attachment::of(format));
-    let weights = chart.weights(format);
     let rule = field.case().lookup.compare;
     let mut tally = Tally::default();
     for (i, mut looks) in there.looks(format, &casters).into_iter().enumerate() {
         let sample = &chart.field.samples[i];
-        let bias = recipe.tap_bias(&weights[i]);
+        let bias = recipe.tap_bias(&chart.weights(format, i));
         let wrong = looks.verdict(rule, bias).0.is_some();
         if recipe.moves_receiver() && !sample.lit && wrong {
-            let offset = recipe.receiver_offset(&chart.sites()[i]);
+            let offset = recipe.receiver_offset(&chart.site(i));
             looks.moved_into_light = chart.field.is_lit_from(sample, offset);
         }
         looks.tally(rule, bias, &mut tally);

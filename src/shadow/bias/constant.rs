@@ -20,14 +20,25 @@ impl Weights {
     /// Weights at a receiver; `step` is the format's quantum there.
     #[must_use]
     pub fn at(site: &Site, step: f64) -> Self {
-        let finite = |x: f64| if x.is_finite() { x as f32 } else { f32::MAX };
-        Self {
+        let weights = Self {
             world: finite(site.window_per_world),
             texel: finite(site.window_per_world * site.texel_world),
-            step: finite(step),
+            step: 0.0,
             slope: finite(super::slope::receiver_slope(site.gradient, site.map_size)),
-        }
+        };
+        weights.with_step(step)
     }
+
+    /// The same at another quantum of the format.
+    #[must_use]
+    pub fn with_step(self, step: f64) -> Self {
+        Self { step: finite(step), ..self }
+    }
+}
+
+/// Rounded to f32; the largest of them where it is not finite.
+fn finite(x: f64) -> f32 {
+    if x.is_finite() { x as f32 } else { f32::MAX }
 }
 
 impl Weights {

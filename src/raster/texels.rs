@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 /// Texels of a square map, its upper and right border included. Any number of threads may insert;
 /// ranks are known after [`Self::count`]. 1.5 bits a texel.
 #[derive(Debug)]
-pub(super) struct TexelSet {
+pub struct TexelSet {
     /// Words of a row.
     stride: usize,
     words: Vec<AtomicU64>,
@@ -16,7 +16,8 @@ pub(super) struct TexelSet {
 
 impl TexelSet {
     /// The empty set of a map with `size` texels a side.
-    pub(super) fn new(size: u32) -> Self {
+    #[must_use]
+    pub fn new(size: u32) -> Self {
         let stride = (size as usize + 1).div_ceil(64);
         let words = stride * (size as usize + 1);
         Self { stride, words: (0..words).map(|_| AtomicU64::new(0)).collect(), before: Vec::new() }
@@ -27,8 +28,15 @@ impl TexelSet {
         (y as usize * self.stride + x as usize / 64, 1 << (x % 64))
     }
 
+    /// Whether a texel is a member.
+    #[must_use]
+    pub fn contains(&self, texel: [u32; 2]) -> bool {
+        let (word, bit) = self.place(texel);
+        self.words[word].load(Relaxed) & bit != 0
+    }
+
     /// Adds a texel.
-    pub(super) fn insert(&self, texel: [u32; 2]) {
+    pub fn insert(&self, texel: [u32; 2]) {
         let (word, bit) = self.place(texel);
         if self.words[word].load(Relaxed) & bit == 0 {
             self.words[word].fetch_or(bit, Relaxed);
@@ -36,7 +44,7 @@ impl TexelSet {
     }
 
     /// Numbers the members.
-    pub(super) fn count(&mut self) {
+    pub fn count(&mut self) {
         let mut sum = 0;
         let number = |word: &mut AtomicU64| {
             let before = sum;
@@ -47,14 +55,16 @@ impl TexelSet {
     }
 
     /// How many members come before a texel, row by row.
-    pub(super) fn rank(&self, texel: [u32; 2]) -> usize {
+    #[must_use]
+    pub fn rank(&self, texel: [u32; 2]) -> usize {
         let (word, bit) = self.place(texel);
         let within = self.words[word].load(Relaxed) & (bit - 1);
         self.before[word] as usize + within.count_ones() as usize
     }
 
     /// All members, row by row.
-    pub(super) fn list(&self) -> Vec<[u32; 2]> {
+    #[must_use]
+    pub fn list(&self) -> Vec<[u32; 2]> {
         let members = |(k, word): (usize, &AtomicU64)| {
             let (row, first) = ((k / self.stride) as u32, (k % self.stride * 64) as u32);
             let mut bits = word.load(Relaxed);

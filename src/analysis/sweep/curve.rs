@@ -1,0 +1,404 @@
+//! Counts of wrong verdicts along all amounts of a bias: step functions, given by their breakpoints.
+
+use super::tally::{Kind, SHARE, Tally};
+use rayon::prelude::*;
+
+/// A count along the amounts ≥ 0: it grows by one at each breakpoint of `up`, falls by one at each of
+/// `down`. Four bytes a breakpoint, since millions are sorted.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Steps {
+    base: i64,
+    up: Vec<f32>,
+    down: Vec<f32>,
+}
+
+/// Sorts positive floats: millions, by their digits.
+fn sort(list: &mut [f32]) {
+    radsort::sort(list);
+}
+
+/// How many of an ascending list are at most `amount`, given that `from` of them are.
+fn reached(list: &[f32], mut from: usize, amount: f32) -> usize {
+    let mut stride = 1;
+    while list.get(from + stride - 1).is_some_and(|&at| at <= amount) {
+        from += stride;
+        stride *= 2;
+    }
+    let end = list.len().min(from + stride);
+    from + list[from..end].partition_point(|&at| at <= amount)
+}
+
+impl Steps {
+    /// Adds one on [from, until).
+    fn count(&mut self, from: f32, until: f32) {
+        self.base += i64::from(from <= 0.0);
+        if from > 0.0 && from < f32::INFINITY {
+            self.up.push(from);
+        }
+        if until < f32::INFINITY {
+            self.down.push(until);
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.base += other.base;
+        self.up.extend(&other.up);
+        self.down.extend(&other.down);
+    }
+
+    /// The counts at ascending amounts.
+    fn at<'s>(&'s self, amounts: &'s [f32]) -> impl Iterator<Item = i64> + 's {
+        let (mut up, mut down) = (0, 0);
+        amounts.iter().map(move |&amount| {
+            (up, down) = (reached(&self.up, up, amount), reached(&self.down, down, amount));
+            self.base + up as i64 - down as i64
+        })
+    }
+
+    /// The smallest amount from which the count stays within `limit`.
+    fn quiet_from(&self, limit: i64) -> Option<f32> {
+        let (mut up, mut down) = (self.up.as_slice(), self.down.as_slice());
+        let mut count = self.base + up.len() as i64 - down.len() as i64;
+        if count > limit {
+            return None;
+        }
+        loop {
+            let [last_up, last_down] = [up, down].map(|list| list.last().copied().unwrap_or(0.0));
+            let at = if last_up > last_down { last_up } else { last_down };
+            if at <= 0.0 {
+                return Some(0.0);
+            }
+            count -= retreat(&mut up, at) - retreat(&mut down, at);
+            if count > limit {
+                return Some(at);
+            }
+        }
+    }
+
+    /// The smallest amount at which the count is positive.
+    fn first(&self) -> Option<f32> {
+        let (mut count, mut down) = (self.base, 0);
+        if count > 0 {
+            return Some(0.0);
+        }
+        for (i, &at) in self.up.iter().enumerate() {
+            count += 1;
+            if self.up.get(i + 1) == Some(&at) {
+                continue;
+            }
+            let fallen = reached(&self.down, down, at);
+            (count, down) = (count - (fallen - down) as i64, fallen);
+            if count > 0 {
+                return Some(at);
+            }
+        }
+        None
+    }
+}
+
+/// Drops the breakpoints at `at` from the end of a list; how many they were.
+fn retreat(list: &mut &[f32], at: f32) -> i64 {
+    let before = list.len();
+    while let [rest @ .., last] = list
+        && *last == at
+    {
+        *list = rest;
+    }
+    (before - list.len()) as i64
+}
+
+/// Shares of visibility, in 2⁻⁴⁰, by the amount from which their taps are lit.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Shares {
+    /// Of taps that are lit from the start.
+    base: i64,
+    /// Of all taps together.
+    all: i64,
+    /// Where the others are lit.
+    at: Vec<f32>,
+    /// Their common share.
+    each: i64,
+    /// The share of each where they differ; else empty.
+    own: Vec<i64>,
+}
+
+impl Shares {
+    fn add(&mut self, from: f32, share: i64) {
+        self.all += share;
+        if from <= 0.0 {
+            self.base += share;
+        } else if from < f32::INFINITY {
+            if self.at.is_empty() {
+                self.each = share;
+            } else if self.own.is_empty() && share != self.each {
+                self.own = self.listed().collect();
+            }
+            self.at.push(from);
+            if !self.own.is_empty() {
+                self.own.push(share);
+            }
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        (self.base, self.all) = (self.base + other.base, self.all + other.all);
+        if other.at.is_empty() {
+            return;
+        }
+        if self.at.is_empty() {
+            (self.each, self.own) = (other.each, other.own.clone());
+        } else if [self, other].iter().any(|s| !s.own.is_empty()) || self.each != other.each {
+            if self.own.is_empty() {
+                self.own = self.listed().collect();
+            }
+            self.own.extend(other.listed());
+        }
+        self.at.extend(&other.at);
+    }
+
+    /// The share of each, whether they are alike or not.
+    fn listed(&self) -> impl Iterator<Item = i64> {
+        let alike = self.at.len() - self.own.len();
+        self.own.iter().copied().chain(std::iter::repeat_n(self.each, alike))
+    }
+
+    fn sort(&mut self) {
+        if self.own.is_empty() {
+            return sort(&mut self.at);
+        }
+        let mut pairs: Vec<(u32, i64)> =
+            self.at.iter().map(|at| at.to_bits()).zip(self.own.drain(..)).collect();
+        pairs.sort_unstable();
+        (self.at, self.own) =
+            pairs.into_iter().map(|(at, share)| (f32::from_bits(at), share)).unzip();
+    }
+
+    /// What is lit at ascending amounts.
+    fn at<'s>(&'s self, amounts: &'s [f32]) -> impl Iterator<Item = i64> + 's {
+        let (mut lit, mut next) = (self.base, 0);
+        amounts.iter().map(move |&amount| {
+            let now = reached(&self.at, next, amount);
+            lit += match self.own.get(next..now) {
+                Some(own) => own.iter().sum(),
+                None => self.each * (now - next) as i64,
+            };
+            next = now;
+            lit
+        })
+    }
+}
+
+/// The counts at every amount ≥ 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Receivers by [`Kind`].
+    kinds: [Steps; 6],
+    /// Of the taps of truly lit and of truly shadowed receivers; `None` while every look-up has one tap,
+    /// whose share is all of it.
+    shares: Option<[Shares; 2]>,
+    /// Peter-panned receivers: from which amount on, and how far inside their true shadow.
+    gaps: Vec<(f32, f64)>,
+    /// Largest breakpoint of truly lit receivers that see their own surface alone and have acne at 0.
+    pub critical: Option<f32>,
+}
+
+impl Curve {
+    /// Of look-ups with one tap each, or of any.
+    #[must_use]
+    pub fn new(single_taps: bool) -> Self {
+        Self { shares: (!single_taps).then(Default::default), ..Self::default() }
+    }
+
+    /// Counts one receiver of `kind` on [from, until).
+    pub fn count(&mut self, kind: Kind, from: f32, until: f32) {
+        if from < until && until > 0.0 {
+            self.kinds[kind as usize].count(from, until);
+        }
+    }
+
+    /// A tap with this share of a truly lit (or truly shadowed) receiver is lit from an amount on.
+    pub fn lights(&mut self, truly_lit: bool, from: f32, share: impl Fn() -> i64) {
+        if let Some(shares) = &mut self.shares {
+            shares[usize::from(!truly_lit)].add(from, share());
+        }
+    }
+
+    /// A receiver `inside` world units deep in its true shadow is peter-panned from an amount on.
+    pub fn panned(&mut self, from: f32, inside: f64) {
+        self.gaps.push((from, inside));
+    }
+
+    /// A truly lit receiver that sees its own surface alone is dark up to an amount.
+    pub fn needs(&mut self, until: f32) {
+        self.critical = Some(self.critical.map_or(until, |most| most.max(until)));
+    }
+
+    /// The counts of both, which are of look-ups of the same filter.
+    #[must_use]
+    pub fn joined(mut self, other: &Self) -> Self {
+        self.kinds.iter_mut().zip(&other.kinds).for_each(|(all, some)| all.join(some));
+        if let (Some(all), Some(some)) = (&mut self.shares, &other.shares) {
+            all.iter_mut().zip(some).for_each(|(all, some)| all.join(some));
+        }
+        self.gaps.extend(&other.gaps);
+        other.critical.into_iter().for_each(|until| self.needs(until));
+        self
+    }
+
+    /// Puts the breakpoints in order; call once after all are in.
+    #[must_use]
+    pub fn sorted(mut self) -> Self {
+        self.kinds.par_iter_mut().for_each(|steps| {
+            sort(&mut steps.up);
+            sort(&mut steps.down);
+        });
+        self.shares.iter_mut().flatten().for_each(Shares::sort);
+        self.thinned()
+    }
+
+    /// Leaves out the gaps that are not longer than all before them: no answer depends on them.
+    #[must_use]
+    pub fn thinned(mut self) -> Self {
+        self.gaps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        let mut longest = f64::NEG_INFINITY;
+        self.gaps.retain(|&(_, inside)| {
+            let longer = inside > longest;
+            longest = longest.max(inside);
+            longer
+        });
+        self
+    }
+
+    /// The longest way inside the true shadow of any receiver that is peter-panned at each of
+    /// `amounts`, which ascend; an upper bound where a later tap takes a verdict over.
+    #[must_use]
+    pub fn gaps_at(&self, amounts: &[f32]) -> Vec<f64> {
+        let (mut longest, mut next) = (0.0f64, 0);
+        let mut reach = |amount: f32| {
+            while let Some(&(_, inside)) = self.gaps.get(next).filter(|g| g.0 <= amount) {
+                longest = longest.max(inside);
+                next += 1;
+            }
+            longest
+        };
+        amounts.iter().map(|&amount| reach(amount)).collect()
+    }
+
+    /// The counts at each of `amounts`, which ascend. One walk along all breakpoints.
+    #[must_use]
+    pub fn at(&self, amounts: &[f32]) -> Vec<Tally> {
+        let mut tallies = vec![Tally::default(); amounts.len()];
+        for (kind, steps) in self.kinds.iter().enumerate() {
+            tallies.iter_mut().zip(steps.at(amounts)).for_each(|(t, n)| t.kinds[kind] = n);
+        }
+        match &self.shares {
+            Some([lit, shadowed]) => {
+                let light = lit.at(amounts).zip(shadowed.at(amounts));
+                tallies.iter_mut().zip(light).for_each(|(t, (lit_light, light))| {
+                    (t.shadow, t.light) = (lit.all - lit_light, light);
+                });
+            }
+            None => {
+                let whole = SHARE as i64;
+                tallies.iter_mut().for_each(|t| {
+                    (t.shadow, t.light) = (t.false_shadow() * whole, t.false_light() * whole);
+                });
+            }
+        }
+        tallies
+    }
+
+    /// The smallest amount ≥ 0 at which at most `limit` receivers are of `kind`, and for every larger
+    /// amount too; `None` where that never happens.
+    #[must_use]
+    pub fn quiet_from(&self, limit: i64, kind: Kind) -> Option<f32> {
+        self.kinds[kind as usize].quiet_from(limit)
+    }
+
+    /// The smallest amount ≥ 0 at which a receiver is of `kind`; `None` if there is none.
+    #[must_use]
+    pub fn first(&self, kind: Kind) -> Option<f32> {
+        self.kinds[kind as usize].first()
+    }
+
+    /// Every positive breakpoint, ascending, each once.
+    #[must_use]
+    pub fn breakpoints(&self) -> Vec<f32> {
+        let kinds = self.kinds.iter().flat_map(|steps| steps.up.iter().chain(&steps.down));
+        let shares = self.shares.iter().flatten().flat_map(|shares| &shares.at);
+        let mut list: Vec<f32> = kinds.chain(shares).copied().collect();
+        sort(&mut list);
+        list.dedup();
+        list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_counts_half_open_intervals() {
+        let mut curve = Curve::new(true);
+        curve.count(Kind::Acne, f32::NEG_INFINITY, 0.5);
+        curve.count(Kind::Acne, f32::NEG_INFINITY, 0.25);
+        curve.count(Kind::PeterPanning, 0.75, f32::INFINITY);
+        let curve = curve.sorted();
+        let acne: Vec<i64> =
+            curve.at(&[0.0, 0.25, 0.4, 0.5, 1.0]).iter().map(|t| t.of(Kind::Acne)).collect();
+        assert_eq!(acne, [2, 1, 1, 0, 0]);
+        assert_eq!(curve.quiet_from(0, Kind::Acne), Some(0.5));
+        assert_eq!(curve.quiet_from(1, Kind::Acne), Some(0.25));
+        assert_eq!(curve.quiet_from(2, Kind::Acne), Some(0.0));
+        assert_eq!(curve.first(Kind::PeterPanning), Some(0.75));
+        assert_eq!(curve.first(Kind::LightLeak), None);
+        assert_eq!(curve.quiet_from(0, Kind::PeterPanning), None);
+        let full = SHARE as i64;
+        let shares: Vec<_> = curve.at(&[0.25, 0.8]).iter().map(|t| (t.shadow, t.light)).collect();
+        assert_eq!(shares, [(full, 0), (0, full)]);
+    }
+
+    #[test]
+    fn what_comes_and_goes_at_one_amount_is_never_there() {
+        let mut curve = Curve::new(true);
+        curve.count(Kind::LightLeak, 0.25, 0.5);
+        curve.count(Kind::LightLeak, 0.5, 0.75);
+        curve.count(Kind::LightLeak, 0.1, 0.1);
+        let curve = curve.sorted();
+        assert_eq!(curve.first(Kind::LightLeak), Some(0.25));
+        assert_eq!(curve.quiet_from(0, Kind::LightLeak), Some(0.75));
+        assert_eq!(curve.quiet_from(1, Kind::LightLeak), Some(0.0));
+        assert_eq!(curve.breakpoints(), [0.25, 0.5, 0.75]);
+    }
+
+    #[test]
+    fn shares_are_summed_whether_alike_or_not() {
+        let taps = [(-1.0, 5), (0.25, 5), (0.5, 5), (0.5, 7), (f32::INFINITY, 3), (0.75, 5)];
+        let mut alone = Curve::new(false);
+        taps.iter().for_each(|&(from, share)| alone.lights(true, from, || share));
+        let some = |taps: &[(f32, i64)]| {
+            let mut curve = Curve::new(false);
+            taps.iter().for_each(|&(from, share)| curve.lights(true, from, || share));
+            curve
+        };
+        for split in 0..=taps.len() {
+            let (a, b) = taps.split_at(split);
+            let curve = some(a).joined(&some(b)).sorted();
+            let dark = |t: &Tally| t.shadow;
+            let found: Vec<i64> = curve.at(&[0.0, 0.3, 0.5, 1.0]).iter().map(dark).collect();
+            assert_eq!(found, [25, 20, 8, 3], "split at {split}");
+        }
+        assert_eq!(alone.sorted().breakpoints(), [0.25, 0.5, 0.75]);
+    }
+
+    #[test]
+    fn only_gaps_longer_than_those_before_are_kept() {
+        let mut curve = Curve::new(true);
+        for (from, inside) in [(0.3, 2.0), (0.1, 1.0), (0.2, 0.5), (0.1, 0.75), (0.4, 2.0)] {
+            curve.panned(from, inside);
+        }
+        let curve = curve.sorted();
+        assert_eq!(curve.gaps, [(0.1, 1.0), (0.3, 2.0)]);
+        assert_eq!(curve.gaps_at(&[0.0, 0.1, 0.25, 0.3, 9.0]), [0.0, 1.0, 1.0, 2.0, 2.0]);
+    }
+}

@@ -1,0 +1,75 @@
+//! Chosen texels of a map, numbered row by row.
+
+use super::TexelSet;
+use rayon::prelude::*;
+
+/// Some texels of a square map; each has a slot.
+#[derive(Debug)]
+pub struct Slots {
+    size: u32,
+    set: TexelSet,
+    /// The texel of each slot.
+    texels: Vec<u32>,
+}
+
+impl Slots {
+    /// The texels of a map of `size`² that are wanted, in no order, each any number of times.
+    #[must_use]
+    pub fn of(size: u32, wanted: impl ParallelIterator<Item = u32>) -> Self {
+        let mut set = TexelSet::new(size);
+        wanted.for_each(|texel| set.insert([texel % size, texel / size]));
+        set.count();
+        let texels = set.list().into_iter().map(|[x, y]| y * size + x).collect();
+        Self { size, set, texels }
+    }
+
+    /// Texels per side of the map.
+    #[must_use]
+    pub const fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// The slot of a texel.
+    ///
+    /// # Panics
+    /// Where the texel was not wanted.
+    #[must_use]
+    #[inline]
+    pub fn slot(&self, texel: u32) -> usize {
+        let slot = self.found([texel % self.size, texel / self.size]);
+        assert!(slot.is_some(), "texel {texel} was not wanted");
+        slot.unwrap_or_default()
+    }
+
+    /// The slot of a texel, if it has one.
+    #[must_use]
+    #[inline]
+    pub fn found(&self, texel: [u32; 2]) -> Option<usize> {
+        self.set.contains(texel).then(|| self.set.rank(texel))
+    }
+
+    /// The texel of a slot.
+    #[must_use]
+    #[inline]
+    pub fn texel(&self, slot: usize) -> u32 {
+        self.texels[slot]
+    }
+
+    /// Something of every texel, by slot.
+    #[must_use]
+    pub fn over_texels<T: Send>(&self, of: impl Fn(u32) -> T + Sync) -> Vec<T> {
+        self.texels.par_iter().with_min_len(1 << 12).map(|&texel| of(texel)).collect()
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.texels.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.texels.is_empty()
+    }
+}
