@@ -110,7 +110,8 @@ impl Observer<'_> {
             let answered = counted.count() as u64;
             return (Centres::Asked, Count { what, answered, evaluated: answered, because });
         }
-        let mut texels = TexelSet::new(self.case().map.size);
+        let side = self.case().map.size as usize + 1;
+        let mut texels = TexelSet::new(side * side);
         let asked = counted.map(|w| texels.insert(self.texel_of(w.exact))).count();
         texels.count();
         let (depths, evaluated) = self.depths_at(&texels.list());
@@ -118,17 +119,20 @@ impl Observer<'_> {
         (Centres::Known { texels, depths }, count)
     }
 
-    /// The texel under exact map coordinates in [0,1].
-    fn texel_of(&self, exact: DVec3) -> [u32; 2] {
-        let at = (exact.truncate() * f64::from(self.case().map.size)).floor();
-        [at.x as u32, at.y as u32]
+    /// The number of the texel under exact map coordinates in [0,1], rows being one longer than the map
+    /// for what lies on its border.
+    fn texel_of(&self, exact: DVec3) -> u32 {
+        let size = self.case().map.size;
+        let at = (exact.truncate() * f64::from(size)).floor();
+        at.y as u32 * (size + 1) + at.x as u32
     }
 
     /// Exact depths of the first drawn casters at the centres of texels, and the rays traced for them.
-    fn depths_at(&self, texels: &[[u32; 2]]) -> (Vec<f64>, u64) {
+    fn depths_at(&self, texels: &[u32]) -> (Vec<f64>, u64) {
         let foremost = Foremost::new(self, self.drawn_faces);
-        let size = f64::from(self.case().map.size);
-        let centre = |&[x, y]: &[u32; 2]| (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
+        let side = self.case().map.size + 1;
+        let corner = |t: u32| DVec2::new(f64::from(t % side), f64::from(t / side));
+        let centre = |&t: &u32| (corner(t) + 0.5) / f64::from(side - 1);
         let centres: Vec<DVec2> = texels.par_iter().map(centre).collect();
         let depth = |seen: Seen, uv: DVec2| match seen {
             Seen::Nothing => f64::INFINITY,
@@ -165,7 +169,10 @@ impl Centres {
     fn depth(&self, observer: &Observer<'_>, exact: DVec3) -> f64 {
         match self {
             Self::Asked => observer.centre_depth(exact),
-            Self::Known { texels, depths } => depths[texels.rank(observer.texel_of(exact))],
+            Self::Known { texels, depths } => {
+                let rank = texels.rank(observer.texel_of(exact));
+                rank.map_or(f64::NAN, |rank| depths[rank])
+            }
         }
     }
 }

@@ -58,7 +58,8 @@ impl Fragments {
         let mut starts = vec![0u32; slots.len() + 1];
         for (id, (setup, _)) in setups.iter().enumerate() {
             setup.cover(device, size, Cull::None, |y, first, end| {
-                for slot in (first..end).filter_map(|x| slots.found([x, y])) {
+                for slot in (y * size[0] + first..y * size[0] + end).filter_map(|t| slots.found(t))
+                {
                     pairs.push((slot as u32, id as u32));
                     starts[slot + 1] += 1;
                 }

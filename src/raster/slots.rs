@@ -16,11 +16,10 @@ impl Slots {
     /// The texels of a map of `size`² that are wanted, in no order, each any number of times.
     #[must_use]
     pub fn of(size: u32, wanted: impl ParallelIterator<Item = u32>) -> Self {
-        let mut set = TexelSet::new(size);
-        wanted.for_each(|texel| set.insert([texel % size, texel / size]));
+        let mut set = TexelSet::new(size as usize * size as usize);
+        wanted.for_each(|texel| set.insert(texel));
         set.count();
-        let texels = set.list().into_iter().map(|[x, y]| y * size + x).collect();
-        Self { size, set, texels }
+        Self { size, texels: set.list(), set }
     }
 
     /// Texels per side of the map.
@@ -36,7 +35,7 @@ impl Slots {
     #[must_use]
     #[inline]
     pub fn slot(&self, texel: u32) -> usize {
-        let slot = self.found([texel % self.size, texel / self.size]);
+        let slot = self.found(texel);
         assert!(slot.is_some(), "texel {texel} was not wanted");
         slot.unwrap_or_default()
     }
@@ -44,8 +43,8 @@ impl Slots {
     /// The slot of a texel, if it has one.
     #[must_use]
     #[inline]
-    pub fn found(&self, texel: [u32; 2]) -> Option<usize> {
-        self.set.contains(texel).then(|| self.set.rank(texel))
+    pub fn found(&self, texel: u32) -> Option<usize> {
+        self.set.rank(texel)
     }
 
     /// The texel of a slot.

@@ -1,43 +1,33 @@
-//! A set of texels of a map as one bit each, and the rank of each member.
+//! A set of texels as one bit each, and the rank of each member.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Texels of a square map, its upper and right border included. Any number of threads may insert;
-/// ranks are known after [`Self::count`]. 1.5 bits a texel.
+/// Texels by their number. Any number of threads may insert; ranks are known after [`Self::count`].
+/// 1.5 bits a texel.
 #[derive(Debug)]
 pub struct TexelSet {
-    /// Words of a row.
-    stride: usize,
     words: Vec<AtomicU64>,
     /// Members before each word.
     before: Vec<u32>,
 }
 
+/// The word and the bit of a texel.
+const fn place(texel: u32) -> (usize, u64) {
+    (texel as usize / 64, 1 << (texel % 64))
+}
+
 impl TexelSet {
-    /// The empty set of a map with `size` texels a side.
+    /// The empty set of so many texels.
     #[must_use]
-    pub fn new(size: u32) -> Self {
-        let stride = (size as usize + 1).div_ceil(64);
-        let words = stride * (size as usize + 1);
-        Self { stride, words: (0..words).map(|_| AtomicU64::new(0)).collect(), before: Vec::new() }
-    }
-
-    /// The word and the bit of a texel.
-    fn place(&self, [x, y]: [u32; 2]) -> (usize, u64) {
-        (y as usize * self.stride + x as usize / 64, 1 << (x % 64))
-    }
-
-    /// Whether a texel is a member.
-    #[must_use]
-    pub fn contains(&self, texel: [u32; 2]) -> bool {
-        let (word, bit) = self.place(texel);
-        self.words[word].load(Relaxed) & bit != 0
+    pub fn new(texels: usize) -> Self {
+        let words = texels.div_ceil(64);
+        Self { words: (0..words).map(|_| AtomicU64::new(0)).collect(), before: Vec::new() }
     }
 
     /// Adds a texel.
-    pub fn insert(&self, texel: [u32; 2]) {
-        let (word, bit) = self.place(texel);
+    pub fn insert(&self, texel: u32) {
+        let (word, bit) = place(texel);
         if self.words[word].load(Relaxed) & bit == 0 {
             self.words[word].fetch_or(bit, Relaxed);
         }
@@ -54,24 +44,25 @@ impl TexelSet {
         self.before = self.words.iter_mut().map(number).collect();
     }
 
-    /// How many members come before a texel, row by row.
+    /// How many members come before a texel; `None` where it is not one.
     #[must_use]
-    pub fn rank(&self, texel: [u32; 2]) -> usize {
-        let (word, bit) = self.place(texel);
-        let within = self.words[word].load(Relaxed) & (bit - 1);
-        self.before[word] as usize + within.count_ones() as usize
+    #[inline]
+    pub fn rank(&self, texel: u32) -> Option<usize> {
+        let (word, bit) = place(texel);
+        let members = self.words[word].load(Relaxed);
+        let within = (members & (bit - 1)).count_ones();
+        (members & bit != 0).then(|| (self.before[word] + within) as usize)
     }
 
-    /// All members, row by row.
+    /// All members, ascending.
     #[must_use]
-    pub fn list(&self) -> Vec<[u32; 2]> {
+    pub fn list(&self) -> Vec<u32> {
         let members = |(k, word): (usize, &AtomicU64)| {
-            let (row, first) = ((k / self.stride) as u32, (k % self.stride * 64) as u32);
             let mut bits = word.load(Relaxed);
             std::iter::from_fn(move || {
                 let bit = (bits != 0).then(|| bits.trailing_zeros())?;
                 bits &= bits - 1;
-                Some([first + bit, row])
+                Some(k as u32 * 64 + bit)
             })
         };
         let words = self.words.par_iter().with_min_len(1 << 12).enumerate();
@@ -85,17 +76,16 @@ mod tests {
 
     #[test]
     fn ranks_are_places_in_the_list() {
-        let mut set = TexelSet::new(130);
-        let texels = [[130, 130], [0, 0], [63, 7], [64, 7], [127, 7], [128, 7], [5, 7], [64, 7]];
+        let mut set = TexelSet::new(1000);
+        let texels = [999, 0, 63, 64, 127, 128, 5, 64, 700];
         texels.iter().for_each(|&t| set.insert(t));
         set.count();
-        let list = set.list();
         let mut sorted = texels.to_vec();
-        sorted.sort_unstable_by_key(|[x, y]| (*y, *x));
+        sorted.sort_unstable();
         sorted.dedup();
-        assert_eq!(list, sorted);
-        for (rank, &texel) in list.iter().enumerate() {
-            assert_eq!(set.rank(texel), rank, "{texel:?}");
+        assert_eq!(set.list(), sorted);
+        for texel in 0..1000 {
+            assert_eq!(set.rank(texel), sorted.iter().position(|&t| t == texel), "{texel}");
         }
     }
 }

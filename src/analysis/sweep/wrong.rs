@@ -43,6 +43,8 @@ struct Look<'l> {
     lit: bool,
     coord: [f32; 3],
     footprint: Footprint<'l>,
+    /// Where what its taps read lies, if it looks from its own place.
+    slots: &'l [u32],
 }
 
 /// A recipe on a chart under one format.
@@ -96,7 +98,7 @@ impl Chart<'_, '_> {
                 continue;
             };
             let footprint = footprints.only([coord[0], coord[1]]);
-            let look = Look { lit, coord, footprint };
+            let look = Look { lit, coord, footprint, slots: &[] };
             let agrees = |error: f32| screen.as_ref().is_some_and(|s| s.agrees(&look, error));
             if agrees(widest) {
                 continue;
@@ -131,7 +133,7 @@ impl<'v> Screen<'v> {
 
     /// Whether a receiver is surely right where no stored depth errs by more than `error`.
     fn agrees(&self, look: &Look<'_>, error: f32) -> bool {
-        let Look { lit, coord, footprint } = look;
+        let Look { lit, coord, footprint, .. } = look;
         if self.spec.range_test && !shadow::in_square(*coord) {
             return *lit;
         }
@@ -185,7 +187,8 @@ impl Verdicts<'_> {
                 true => footprints.only([coord[0], coord[1]]),
                 false => self.chart.reads.footprint(i),
             };
-            self.wrong(receiver, &Look { lit, coord, footprint }, || false)
+            let slots = self.chart.reads.slots(i);
+            self.wrong(receiver, &Look { lit, coord, footprint, slots }, || false)
         };
         if !self.chart.field.skips() {
             return which.iter().filter_map(|&receiver| of(receiver)).collect();
@@ -208,7 +211,7 @@ impl Verdicts<'_> {
         look: &Look<'_>,
         moved_into_light: impl Fn() -> bool,
     ) -> Option<Wrong> {
-        let Look { lit, coord, ref footprint } = *look;
+        let Look { lit, coord, ref footprint, .. } = *look;
         let bias = self.bias(receiver as usize);
         let (chart, follow) = (self.chart, self.recipe.follow);
         let sample = || &chart.field.samples[receiver as usize];
@@ -231,12 +234,12 @@ impl Verdicts<'_> {
             let i = mixed_tap(self.store, chart.device(), lit, footprint);
             is_wrong(i, depth).then_some((i, SHARE as i64))?
         } else {
-            self.deciding(footprint, is_wrong)?
+            self.deciding(look, is_wrong)?
         };
         let texel = footprint.texels[deciding];
         let (caster, gained) = (self.surface)(receiver as usize, deciding, texel);
         let kind = if lit {
-            let read = self.store.depth(chart.device(), texel as usize);
+            let read = self.depth(look, deciding);
             shadow_kind(caster, is_sound(self.store.drawn(texel), read))
         } else {
             let hidden = || {
@@ -248,16 +251,25 @@ impl Verdicts<'_> {
         Some(Wrong { receiver, kind, share })
     }
 
+    /// What a tap reads.
+    fn depth(&self, look: &Look<'_>, tap: usize) -> f32 {
+        match look.slots.get(tap) {
+            Some(&slot) => self.store.at_slot(slot),
+            None => self.store.depth(self.chart.device(), look.footprint.texels[tap] as usize),
+        }
+    }
+
     /// The tap that names the error, the centre before the others in order, and the share that is wrong.
     fn deciding(
         &self,
-        footprint: &Footprint<'_>,
+        look: &Look<'_>,
         is_wrong: impl Fn(usize, f32) -> bool,
     ) -> Option<(usize, i64)> {
+        let footprint = &look.footprint;
         let centre = footprint.centre();
         let mut found: Option<(usize, i64)> = None;
-        for (i, &texel) in footprint.texels.iter().enumerate() {
-            if is_wrong(i, self.store.depth(self.chart.device(), texel as usize)) {
+        for i in 0..footprint.texels.len() {
+            if is_wrong(i, self.depth(look, i)) {
                 let (first, share) = found.unwrap_or((i, 0));
                 let deciding = if i == centre { i } else { first };
                 found = Some((deciding, share + (footprint.share(i) * SHARE) as i64));
