@@ -181,10 +181,10 @@ fn lesser(a: f64, b: f64) -> f64 {
 /// certainly is, and what lies behind the nearest of these may be met as well.
 #[inline(always)]
 fn meet(flat: &Flat, points: &Points, by: DVec2, at: usize, count: usize, states: &mut States) {
-    let (x, y) = (lanes(&points.x, at), lanes(&points.y, at));
-    let depth = lanes_mut(&mut states.depth, at);
-    let other = lanes_mut(&mut states.other, at);
-    let id = lanes_mut(&mut states.id, at);
+    // Copies, so that no store can change what is read: else the loop would not become vectors.
+    let (x, y) = (*lanes(&points.x, at), *lanes(&points.y, at));
+    let (mut depth, mut other) = (*lanes(&states.depth, at), *lanes(&states.other, at));
+    let mut id = *lanes(&states.id, at);
     let [[x0, y0, d0], [x1, y1, d1], [x2, y2, d2]] = flat.edges;
     for k in 0..BATCH {
         let (px, py) = (x[k] + by.x, y[k] + by.y);
@@ -202,6 +202,9 @@ fn meet(flat: &Flat, points: &Points, by: DVec2, at: usize, count: usize, states
         depth[k] = if nearer { here } else { depth[k] };
         id[k] = if nearer { flat.id } else { id[k] };
     }
+    *lanes_mut(&mut states.depth, at) = depth;
+    *lanes_mut(&mut states.other, at) = other;
+    *lanes_mut(&mut states.id, at) = id;
 }
 
 /// The same of a triangle whose plane is not known: it may be met anywhere in its box.
