@@ -109,7 +109,7 @@ impl Chart<'_, '_> {
     }
 
     /// What a receiver finds whose texels are mixed.
-    fn mixed_depth(&self, store: &Store<'_>, i: usize) -> f32 {
+    pub(super) fn mixed_depth(&self, store: &Store<'_>, i: usize) -> f32 {
         match (self.reads.mixed(i), self.reads.footprint(i).mixed) {
             (Some(slots), Some(mixed)) => store.mixed(slots, mixed.weights),
             _ => unreachable!("its texels are mixed"),

@@ -79,8 +79,9 @@ impl Chart<'_, '_> {
         let store = |&texel: &TexelFormat| self.other_store(texel, &drawn, &places);
         let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
         then(&stores, &|i, tap, t| {
-            let (slot, place) = (self.slots.slot(t), places.of(t));
-            let gained = drawn.depth[place] - self.own.depth[slot];
+            let slot = self.reads.slots(i)[tap];
+            let place = places.of_slot(slot);
+            let gained = drawn.depth[place] - self.own.depth[slot as usize];
             (self.caster(i, tap, drawn.triangle[place], t), f64::from(gained))
         })
     }

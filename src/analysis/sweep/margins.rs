@@ -111,8 +111,8 @@ impl Here<'_> {
         if !chart.reads.are_mixed() {
             return comparison;
         }
-        let lit = chart.field.receivers.lit[self.receiver];
-        mixed_tap(store, chart.device(), lit, &self.footprint())
+        let slots = chart.reads.slots(self.receiver);
+        mixed_tap(chart.field.receivers.lit[self.receiver], |tap| store.at_slot(slots[tap]))
     }
 }
 

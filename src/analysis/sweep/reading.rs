@@ -7,7 +7,6 @@ use super::maps::Surface;
 use super::store::{Drawn, Places, Store};
 use super::tally::SHARE;
 use crate::analysis::classify::StoredCaster;
-use crate::device::Device;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Recipe};
@@ -145,7 +144,8 @@ impl Chart<'_, '_> {
         };
         if footprint.mixed.is_some() {
             let depth = shadow::mixed_depth(store, device, footprint);
-            let i = mixed_tap(store, device, sample.lit, footprint);
+            let read = |i: usize| store.depth(device, footprint.texels[i] as usize);
+            let i = mixed_tap(sample.lit, read);
             return Looks { taps: Few::One(one(i, depth)), ..empty };
         }
         let depth = |&texel: &u32| store.depth(device, texel as usize);
@@ -168,20 +168,14 @@ pub(super) fn compared(
     }
 }
 
-/// The texel that decides a mix: the nearest to the light for a truly lit receiver, else the one that
-/// NEAREST reads.
-pub(super) fn mixed_tap(
-    store: &Store<'_>,
-    device: &Device,
-    lit: bool,
-    footprint: &Footprint<'_>,
-) -> usize {
+/// The tap whose texel decides a mix: the nearest to the light for a truly lit receiver, else the one
+/// that NEAREST reads.
+pub(super) fn mixed_tap(lit: bool, depth: impl Fn(usize) -> f32) -> usize {
     if !lit {
         return 0;
     }
-    let depth = |i: usize| store.depth(device, footprint.texels[i] as usize);
     let nearer = |best: usize, i: usize| if depth(i) < depth(best) { i } else { best };
-    (0..footprint.texels.len()).fold(0, nearer)
+    (0..4).fold(0, nearer)
 }
 
 /// A receiver without comparisons.

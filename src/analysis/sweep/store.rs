@@ -44,7 +44,8 @@ impl Places<'_> {
     }
 
     /// Of a texel at a slot.
-    fn of_slot(&self, slot: u32) -> usize {
+    #[inline]
+    pub(super) fn of_slot(&self, slot: u32) -> usize {
         match self {
             Self::Read { place, .. } => place[slot as usize] as usize,
             Self::Texels | Self::Slots(_) => slot as usize,

@@ -227,11 +227,14 @@ impl Verdicts<'_> {
             spec.compare.is_lit(z, depth, bias) != lit
         };
         let (deciding, share) = if footprint.mixed.is_some() {
-            let depth = shadow::mixed_depth(self.store, chart.device(), footprint);
+            let depth = match look.slots.is_empty() {
+                true => shadow::mixed_depth(self.store, chart.device(), footprint),
+                false => chart.mixed_depth(self.store, receiver as usize),
+            };
             if follow == Follow::Receiver && !is_wrong(0, depth) {
                 return None;
             }
-            let i = mixed_tap(self.store, chart.device(), lit, footprint);
+            let i = mixed_tap(lit, |tap| self.depth(look, tap));
             is_wrong(i, depth).then_some((i, SHARE as i64))?
         } else {
             self.deciding(look, is_wrong)?
