@@ -7,6 +7,7 @@ use crate::shadow::bias::Follow;
 use crate::shadow::margins::Margins;
 use crate::shadow::{self, Footprints};
 use std::ops::Range;
+use std::slice;
 
 /// Receivers that are looked at together: their comparisons stay in a core's cache.
 pub(super) const RECEIVERS: usize = 1 << 12;
@@ -15,6 +16,8 @@ pub(super) const RECEIVERS: usize = 1 << 12;
 /// receiver begin.
 #[derive(Default)]
 pub(super) struct Block {
+    /// Whether each receiver has exactly one.
+    single: bool,
     starts: Vec<u32>,
     z: Vec<f32>,
     stored: Vec<f32>,
@@ -36,14 +39,16 @@ impl Block {
         self.stored.clear();
         self.weight.clear();
         let z = &chart.field.receivers.z;
-        match (follow, chart.taps_each()) {
-            (Follow::Receiver, Some(1)) => {
+        let tested = chart.field.case().lookup.range_test;
+        self.single = chart.taps_each() == Some(1) && follow == Follow::Receiver && !tested;
+        match self.single {
+            true => {
                 self.starts.extend(0..=which.len() as u32);
                 self.z.extend(which.iter().map(|&i| z[i as usize]));
                 self.weight.extend(which.iter().map(|&i| weight(i as usize)));
                 chart.only_depths(store, which, &mut self.stored);
             }
-            _ => self.read_taps(chart, store, which, follow, weight),
+            false => self.read_taps(chart, store, which, follow, weight),
         }
     }
 
@@ -56,10 +61,14 @@ impl Block {
         weight: impl Fn(usize) -> f32,
     ) {
         let mut footprints = Footprints::new(chart.sampling, true);
+        let tested = chart.field.case().lookup.range_test;
         for &i in which {
             let (i, start) = (i as usize, self.stored.len());
             let [u, v, z] = chart.field.receivers.coord(i);
             self.starts.push(start as u32);
+            if tested && !shadow::in_square([u, v, z]) {
+                continue;
+            }
             match chart.reads.mixed(i) {
                 Some(_) => self.stored.push(chart.mixed_depth(store, i)),
                 None => self.stored.extend(chart.reads.slots(i).iter().map(|&s| store.at_slot(s))),
@@ -87,8 +96,18 @@ impl Block {
         self.stored.len()
     }
 
+    /// Of a list over the comparisons, those of the receiver at a place; none where the range test
+    /// lights it without a look-up.
+    #[inline(always)]
+    pub(super) fn of<'l, T>(&self, place: usize, all: &'l [T]) -> &'l [T] {
+        match self.single {
+            true => slice::from_ref(&all[place]),
+            false => &all[self.range(place)],
+        }
+    }
+
     /// Where the comparisons of the receiver at a place of the list lie.
-    pub(super) fn range(&self, place: usize) -> Range<usize> {
+    fn range(&self, place: usize) -> Range<usize> {
         self.starts[place] as usize..self.starts[place + 1] as usize
     }
 }
@@ -114,11 +133,5 @@ impl Chart<'_, '_> {
             (Some(slots), Some(mixed)) => store.mixed(slots, mixed.weights),
             _ => unreachable!("its texels are mixed"),
         }
-    }
-
-    /// Whether the range test lights a receiver at these coordinates without a look-up.
-    #[inline]
-    pub(super) fn is_unlooked(&self, coord: [f32; 3]) -> bool {
-        self.field.case().lookup.range_test && !shadow::in_square(coord)
     }
 }

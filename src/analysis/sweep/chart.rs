@@ -149,8 +149,8 @@ impl<'f, 'a> Chart<'f, 'a> {
 
     #[cold]
     fn find_caster(&self, i: usize, tap: usize) -> StoredCaster {
-        let texel = self.reads.footprint(i).texels[tap];
-        let triangle = self.raster.triangle[texel as usize];
+        let slot = self.reads.slots(i)[tap] as usize;
+        let (texel, triangle) = (self.slots.texel(slot), self.own.triangle[slot]);
         let caster = self.field.caster(&self.field.samples[i], triangle, texel, self.size);
         let place = CASTERS.iter().position(|&c| c == caster).map_or(0, |place| place as u8 + 1);
         self.casters[self.reads.range(i).start + tap].store(place, Relaxed);

@@ -11,18 +11,20 @@ use super::taps::Taps;
 use super::turns::{Held, Turns};
 use crate::analysis::classify::StoredCaster;
 use crate::scene::TexelFormat;
-use crate::shadow::bias::{Recipe, Strategy};
+use crate::shadow::bias::{Follow, Strategy};
 use crate::shadow::margins::reaching;
 use crate::shadow::{Footprint, breakpoint_where};
 use crate::simd::Level;
 use rayon::prelude::*;
+use std::slice;
 
 impl Chart<'_, '_> {
     /// The exact curve of a strategy with a bias of the taps: that of [`Self::looks`], none of which is kept.
     pub(super) fn curve(&self, texel: TexelFormat, strategy: Strategy, taps: &Taps) -> Curve {
         let (all, recipe) = (self.all(), strategy.with(0.0));
         self.with_maps(&[texel], &recipe, &all, |stores, surface| {
-            let run = Run { chart: self, store: &stores[0], surface, recipe: &recipe, taps };
+            let moved = recipe.changes_map().then_some(surface);
+            let run = Run { chart: self, store: &stores[0], moved, follow: recipe.follow, taps };
             let of = |which: &[u32]| run.curve(which).thinned();
             let curves: Vec<Curve> = all.par_chunks(RECEIVERS).map(of).collect();
             curves.iter().fold(run.nothing(), Curve::joined).sorted()
@@ -34,8 +36,9 @@ impl Chart<'_, '_> {
 struct Run<'r> {
     chart: &'r Chart<'r, 'r>,
     store: &'r Store<'r>,
-    surface: &'r Surface<'r>,
-    recipe: &'r Recipe,
+    /// Whose surface a tap holds, where the recipe changes the map.
+    moved: Option<&'r Surface<'r>>,
+    follow: Follow,
     taps: &'r Taps,
 }
 
@@ -46,11 +49,11 @@ impl Run<'_> {
 
     /// The curve of some receivers, not sorted.
     fn curve(&self, which: &[u32]) -> Curve {
-        let Self { chart, store, recipe, taps, .. } = *self;
+        let Self { chart, store, follow, taps, .. } = *self;
         let receivers = &chart.field.receivers;
         let (level, bound, mut block) = (Level::best(), taps.bound(), Block::default());
         let weight = |i: usize| taps.weight(i);
-        block.read(chart, store, which, recipe.follow, weight);
+        block.read(chart, store, which, follow, weight);
         let mut turns = vec![0.0; block.len()];
         let rule = chart.field.case().lookup.compare;
         block.margins(bound).breakpoints(level, rule, &mut turns);
@@ -60,15 +63,13 @@ impl Run<'_> {
         let weights: Vec<f32> = which.iter().map(|&i| weight(i as usize)).collect();
         let mut hides = vec![0.0; which.len()];
         reaching(level, &gaps, &weights, bound, &mut hides);
-        let (each, mut curve) = (chart.taps_each(), self.nothing());
+        let mut curve = self.nothing();
         for (place, (&receiver, &hides)) in which.iter().zip(&hides).enumerate() {
             let held = Here { run: self, receiver: receiver as usize, hides };
-            match each {
-                _ if chart.is_unlooked(receivers.coord(held.receiver)) => {
-                    held.count(0, &[], &mut curve)
-                }
-                Some(1) => held.count(0, std::slice::from_ref(&turns[place]), &mut curve),
-                _ => held.count(held.centre(), &turns[block.range(place)], &mut curve),
+            // Compiled for one comparison and for any number.
+            match block.of(place, &turns) {
+                [only] => held.count(slice::from_ref(only), &mut curve),
+                several => held.count(several, &mut curve),
             }
         }
         curve
@@ -86,9 +87,10 @@ struct Here<'h> {
 impl Here<'_> {
     /// Adds the receiver to a curve.
     #[inline(always)]
-    fn count(self, centre: usize, breakpoints: &[f32], curve: &mut Curve) {
+    fn count(self, breakpoints: &[f32], curve: &mut Curve) {
         let receivers = &self.run.chart.field.receivers;
         let (lit, inside) = (receivers.lit[self.receiver], receivers.inside[self.receiver]);
+        let centre = if breakpoints.len() == 1 { 0 } else { self.footprint().centre() };
         Turns { lit, inside, centre, breakpoints, held: self }.count(curve);
     }
 
@@ -96,16 +98,14 @@ impl Here<'_> {
         self.run.chart.reads.footprint(self.receiver)
     }
 
-    fn centre(&self) -> usize {
-        self.footprint().centre()
-    }
-
-    /// Whose surface a tap holds in a map that the recipe has changed, and how far it was moved.
-    fn surface(&self, tap: usize) -> (StoredCaster, f64) {
-        (self.run.surface)(self.receiver, tap, self.footprint().texels[tap])
+    /// Whose surface a tap holds, and how far it was moved.
+    #[cold]
+    fn ask(&self, surface: &Surface<'_>, tap: usize) -> (StoredCaster, f64) {
+        surface(self.receiver, tap, self.footprint().texels[tap])
     }
 
     /// The tap whose texel a comparison rests on.
+    #[inline(always)]
     fn deciding(&self, comparison: usize) -> usize {
         let Run { chart, store, .. } = self.run;
         if !chart.reads.are_mixed() {
@@ -117,14 +117,16 @@ impl Here<'_> {
 }
 
 impl Held for Here<'_> {
+    #[inline(always)]
     fn caster(&self, comparison: usize) -> StoredCaster {
-        let (Run { chart, recipe, .. }, tap) = (self.run, self.deciding(comparison));
-        match recipe.changes_map() {
-            true => self.surface(tap).0,
-            false => chart.own_caster(self.receiver, tap),
+        let (Run { chart, moved, .. }, tap) = (self.run, self.deciding(comparison));
+        match moved {
+            Some(surface) => self.ask(*surface, tap).0,
+            None => chart.own_caster(self.receiver, tap),
         }
     }
 
+    #[inline(always)]
     fn is_sound(&self, comparison: usize) -> bool {
         let Run { chart, store, .. } = self.run;
         // Where nothing was drawn, the caster says so.
@@ -139,12 +141,11 @@ impl Held for Here<'_> {
         (self.footprint().share(comparison) * SHARE) as i64
     }
 
+    #[inline(always)]
     fn hides(&self, comparison: usize) -> f32 {
-        let Run { chart, recipe, taps, .. } = self.run;
-        if !recipe.changes_map() {
-            return self.hides;
-        }
-        let gained = self.surface(self.deciding(comparison)).1;
+        let Run { chart, moved, taps, .. } = self.run;
+        let Some(surface) = moved else { return self.hides };
+        let gained = self.ask(*surface, self.deciding(comparison)).1;
         let gap = chart.field.receivers.gap[self.receiver];
         let guess = (gap - gained) as f32 / taps.scale(self.receiver);
         breakpoint_where(guess, |a| f64::from(taps.bias(self.receiver, a)) + gained >= gap)

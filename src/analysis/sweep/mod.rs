@@ -18,6 +18,7 @@ mod reads;
 mod receivers;
 pub mod report;
 pub mod shard;
+mod steps;
 mod store;
 pub mod tally;
 pub mod taps;

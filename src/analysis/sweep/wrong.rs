@@ -165,9 +165,8 @@ impl Screened {
         self.block.margins(f32::INFINITY).lit(Level::best(), spec.compare, 1.0, &mut self.lit);
         let suspect = |&(place, &receiver): &(usize, &u32)| {
             let i = receiver as usize;
-            let agrees =
-                self.lit[self.block.range(place)].iter().all(|&lit| lit == receivers.lit[i]);
-            !agrees || chart.is_unlooked(receivers.coord(i))
+            let says = self.block.of(place, &self.lit);
+            says.is_empty() || says.iter().any(|&lit| lit != receivers.lit[i])
         };
         let places = which.iter().enumerate().filter(suspect);
         places.map(|(_, &receiver)| receiver).collect()
