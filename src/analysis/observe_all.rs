@@ -171,7 +171,7 @@ impl Centres {
             Self::Asked => observer.centre_depth(exact),
             Self::Known { texels, depths } => {
                 let rank = texels.rank(observer.texel_of(exact));
-                rank.map_or(f64::NAN, |rank| depths[rank])
+                depths[rank.expect("the texels of all counted receivers are members")]
             }
         }
     }

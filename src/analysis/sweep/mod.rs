@@ -1,4 +1,10 @@
 //! Sweeps: every format, filter and bias strategy of a case from one raster per map size and one truth.
+//!
+//! [`field`] finds the receivers and their truth once. A [`chart`] draws the casters for one map size; it
+//! knows which texels each receiver reads (`reads`) and what a format keeps there (`maps`, `store`).
+//! [`evaluate`] takes a strategy along its amounts: biases of the taps by the breakpoints of all
+//! receivers, many at a time (`receivers`, `block`, `margins`), counted in a [`curve`]; all others value
+//! by value (`values`, [`wrong`]). The literal way keeps every comparison ([`looks`]): it is the arbiter.
 
 mod block;
 pub mod chart;

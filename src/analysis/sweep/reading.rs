@@ -183,7 +183,7 @@ fn unlooked(sample: &Sample) -> Looks {
     Looks { lit: sample.lit, gap: sample.gap, inside: sample.inside, ..Looks::default() }
 }
 
-/// Two codes of 8 bits, rounded down: a store that errs by less is sound.
+/// Two codes of 8 bits, rounded down: a store that errs by no more is sound wherever something is drawn.
 pub(super) const SOUND: f32 = 0.007_843;
 
 /// Whether the depth read is the one drawn, up to two codes of 8 bits.

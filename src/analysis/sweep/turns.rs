@@ -2,7 +2,7 @@
 
 use super::curve::Curve;
 use super::looks::{light_kind, shadow_kind};
-use super::tally::Kind;
+use super::tally::{Kind, SHARE};
 use crate::analysis::classify::StoredCaster;
 
 /// What the taps of a receiver hold, asked only where a verdict turns on it.
@@ -49,7 +49,7 @@ impl<H: Held> Turns<'_, H> {
 
     fn count_unlooked(&self, curve: &mut Curve) {
         if !self.lit {
-            curve.lights(false, f32::NEG_INFINITY, || super::tally::SHARE as i64);
+            curve.lights(false, f32::NEG_INFINITY, || SHARE as i64);
             curve.count(Kind::LightLeak, f32::NEG_INFINITY, f32::INFINITY);
         }
     }
