@@ -35,9 +35,7 @@ impl Slots {
     #[must_use]
     #[inline]
     pub fn slot(&self, texel: u32) -> usize {
-        let slot = self.found(texel);
-        assert!(slot.is_some(), "texel {texel} was not wanted");
-        slot.unwrap_or_default()
+        self.found(texel).expect("only texels that were wanted have a slot")
     }
 
     /// The slot of a texel, if it has one.

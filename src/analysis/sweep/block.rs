@@ -12,12 +12,19 @@ use std::slice;
 /// Receivers that are looked at together: their comparisons stay in a core's cache.
 pub(super) const RECEIVERS: usize = 1 << 12;
 
-/// Comparisons of receivers that look from where they are: 12 bytes each, beside where those of each
-/// receiver begin.
+/// Where comparisons come from.
+pub(super) struct Source<'s> {
+    pub(super) chart: &'s Chart<'s, 's>,
+    pub(super) store: &'s Store<'s>,
+    pub(super) follow: Follow,
+}
+
+/// Comparisons of receivers that look from where they are: 12 bytes each.
 #[derive(Default)]
 pub(super) struct Block {
     /// Whether each receiver has exactly one.
     single: bool,
+    /// Else where those of each begin; one more at the end.
     starts: Vec<u32>,
     z: Vec<f32>,
     stored: Vec<f32>,
@@ -28,38 +35,27 @@ impl Block {
     /// Reads what the receivers of `which` compare; `weight` gives the bias of each per amount.
     pub(super) fn read(
         &mut self,
-        chart: &Chart<'_, '_>,
-        store: &Store<'_>,
+        source: &Source<'_>,
         which: &[u32],
-        follow: Follow,
         weight: impl Fn(usize) -> f32,
     ) {
         self.starts.clear();
         self.z.clear();
         self.stored.clear();
         self.weight.clear();
-        let z = &chart.field.receivers.z;
-        let tested = chart.field.case().lookup.range_test;
-        self.single = chart.taps_each() == Some(1) && follow == Follow::Receiver && !tested;
-        match self.single {
-            true => {
-                self.starts.extend(0..=which.len() as u32);
-                self.z.extend(which.iter().map(|&i| z[i as usize]));
-                self.weight.extend(which.iter().map(|&i| weight(i as usize)));
-                chart.only_depths(store, which, &mut self.stored);
-            }
-            false => self.read_taps(chart, store, which, follow, weight),
+        let Source { chart, store, follow } = source;
+        let (z, tested) = (&chart.field.receivers.z, chart.field.case().lookup.range_test);
+        self.single = chart.taps_each() == Some(1) && *follow == Follow::Receiver && !tested;
+        if !self.single {
+            return self.read_taps(source, which, weight);
         }
+        self.z.extend(which.iter().map(|&i| z[i as usize]));
+        self.weight.extend(which.iter().map(|&i| weight(i as usize)));
+        chart.only_depths(store, which, &mut self.stored);
     }
 
-    fn read_taps(
-        &mut self,
-        chart: &Chart<'_, '_>,
-        store: &Store<'_>,
-        which: &[u32],
-        follow: Follow,
-        weight: impl Fn(usize) -> f32,
-    ) {
+    fn read_taps(&mut self, source: &Source<'_>, which: &[u32], weight: impl Fn(usize) -> f32) {
+        let Source { chart, store, follow } = source;
         let mut footprints = Footprints::new(chart.sampling, true);
         let tested = chart.field.case().lookup.range_test;
         for &i in which {
@@ -75,11 +71,11 @@ impl Block {
             }
             let end = self.stored.len();
             self.weight.resize(end, weight(i));
-            if follow == Follow::Receiver {
+            if *follow == Follow::Receiver {
                 self.z.resize(end, z);
             } else {
                 let (footprint, sample) = (footprints.only([u, v]), &chart.field.samples[i]);
-                let tap = |tap: usize| compared(follow, sample, z, &footprint, tap);
+                let tap = |tap: usize| compared(*follow, sample, z, &footprint, tap);
                 self.z.extend((0..end - start).map(tap));
             }
         }

@@ -1,6 +1,6 @@
 //! The curve of a tap bias over all receivers of a chart: their breakpoints, many at a time.
 
-use super::block::{Block, RECEIVERS};
+use super::block::{Block, RECEIVERS, Source};
 use super::chart::Chart;
 use super::curve::Curve;
 use super::maps::Surface;
@@ -53,7 +53,7 @@ impl Run<'_> {
         let receivers = &chart.field.receivers;
         let (level, bound, mut block) = (Level::best(), taps.bound(), Block::default());
         let weight = |i: usize| taps.weight(i);
-        block.read(chart, store, which, follow, weight);
+        block.read(&Source { chart, store, follow }, which, weight);
         let mut turns = vec![0.0; block.len()];
         let rule = chart.field.case().lookup.compare;
         block.margins(bound).breakpoints(level, rule, &mut turns);
@@ -99,7 +99,7 @@ impl Here<'_> {
     }
 
     /// Whose surface a tap holds, and how far it was moved.
-    #[cold]
+    #[inline(never)]
     fn ask(&self, surface: &Surface<'_>, tap: usize) -> (StoredCaster, f64) {
         surface(self.receiver, tap, self.footprint().texels[tap])
     }

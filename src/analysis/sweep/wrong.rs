@@ -1,6 +1,6 @@
 //! Who is wrong at one amount, and how: the literal verdicts, without keeping anybody's comparisons.
 
-use super::block::{Block, RECEIVERS};
+use super::block::{Block, RECEIVERS, Source};
 use super::chart::Chart;
 use super::looks::{light_kind, shadow_kind};
 use super::maps::Surface;
@@ -160,7 +160,8 @@ impl Screened {
     fn suspects(&mut self, verdicts: &Verdicts<'_>, which: &[u32]) -> Vec<u32> {
         let Verdicts { chart, recipe, store, .. } = verdicts;
         let (receivers, spec) = (&chart.field.receivers, &chart.field.case().lookup);
-        self.block.read(chart, store, which, recipe.follow, |i| verdicts.bias(i));
+        let source = Source { chart, store, follow: recipe.follow };
+        self.block.read(&source, which, |i| verdicts.bias(i));
         self.lit.resize(self.block.len(), false);
         self.block.margins(f32::INFINITY).lit(Level::best(), spec.compare, 1.0, &mut self.lit);
         let suspect = |&(place, &receiver): &(usize, &u32)| {
