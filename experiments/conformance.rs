@@ -39,7 +39,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = harness::arguments();
     harness::run(|| check(&arguments))
 }
 
@@ -69,15 +69,14 @@ fn check(arguments: &Arguments) -> Result<()> {
     let subject = Subject::of(arguments.device.as_deref().unwrap_or("webgl-swiftshader"))?;
     let compare = |folder: &PathBuf| conformance::compare(folder, &subject.device());
     let outcome = arguments.folder.as_ref().map(compare).transpose()?;
+    harness::check_follows(true);
     if outcome.is_none() && matches!(subject, Subject::Known(_)) {
         let fix = "give a folder of dumps, or a JSON file as --device";
         return Err(Error::bad_input("DIR", "is missing", fix));
     }
     let json = json(&subject, outcome.as_ref());
-    match &arguments.json {
-        Some(path) if path == Path::new("-") => harness::print(&format!("{json:#}\n"))?,
-        Some(path) => harness::write_json(path, &json)?,
-        None => {}
+    if let Some(path) = &arguments.json {
+        harness::write_json(path, &json)?;
     }
     if arguments.json.as_deref() != Some(Path::new("-")) {
         print(&subject, outcome.as_ref())?;

@@ -3,7 +3,7 @@ use clap::Parser;
 use gnomon::Result;
 use gnomon::analysis::formats;
 use gnomon::analysis::sweep::plan;
-use gnomon::harness::{Common, Progress, run};
+use gnomon::harness::{Common, Progress, arguments, run};
 use std::process::ExitCode;
 
 /// Compares R8, the book's RGBA8, a sound RGBA8, unorm16, unorm24, f16 and f32 depth, plain and
@@ -23,7 +23,7 @@ struct Args {
 }
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args: Args = arguments();
     run(move || body(&args))
 }
 

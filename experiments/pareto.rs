@@ -2,7 +2,7 @@
 use clap::Parser;
 use gnomon::analysis::pareto::{self, algorithms, report::report, time};
 use gnomon::analysis::sweep::{Plan, Range, gate, plan};
-use gnomon::harness::{Common, Progress, print, run, write_json};
+use gnomon::harness::{Common, Progress, arguments, print, run, write_json};
 use gnomon::scene::Filter;
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
@@ -46,7 +46,7 @@ struct Args {
 }
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args: Args = arguments();
     run(move || body(&args))
 }
 
@@ -70,17 +70,21 @@ fn body(args: &Args) -> Result<()> {
         return Err(Error::bad_input("--times", "lies in the report's folder", fix));
     }
     let (profile, seed) = (args.common.profile(), args.common.seed);
-    let mut ways: Vec<_> = Vec::new();
+    let mut times: Vec<_> = Vec::new();
     let measure = || {
         let bar = Progress::new(plan.cases.len() * plan.sizes.len(), "sweeping");
         let entries = pareto::entries(&plan, || bar.step());
-        ways.extend(plan.cases.iter().map(|c| (c.name.clone(), algorithms::ways(c, step))));
+        let ways: Vec<_> =
+            plan.cases.iter().map(|c| (c.name.clone(), algorithms::ways(c, step))).collect();
+        if args.times.is_some() {
+            let timed = plan.cases.iter().zip(&ways);
+            times.extend(timed.map(|(c, (_, w))| time::times(c, &args.filter, w)));
+        }
         Ok(report(&plan, &entries, &ways, profile, seed))
     };
     args.common.publish("pareto", measure)?;
     let Some(path) = &args.times else { return Ok(()) };
-    let times = plan.cases.iter().zip(&ways).map(|(c, (_, w))| time::times(c, &args.filter, w));
-    let times: Vec<_> = times.collect();
-    times.iter().try_for_each(|times| print(&time::text(times)))?;
-    write_json(path, &times.into())
+    let written = times.iter().try_for_each(|times| print(&time::text(times)));
+    let written = written.and_then(|()| write_json(path, &times.into()));
+    written.map_err(|e| e.having_written("the report"))
 }

@@ -59,7 +59,7 @@ fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = harness::arguments();
     harness::run(|| match arguments.command {
         Some(Command::Explain { case, pixel, device }) => print_chain(&case, pixel, device),
         None => measure(&arguments.common, &arguments.what),

@@ -57,7 +57,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = harness::arguments();
     harness::run(|| {
         arguments.common.start()?;
         let options = Options {

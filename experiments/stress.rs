@@ -25,7 +25,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let Arguments { common } = Arguments::parse();
+    let Arguments { common } = harness::arguments();
     harness::run(|| stress_all(&common))
 }
 

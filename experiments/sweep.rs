@@ -2,12 +2,11 @@
 use clap::Parser;
 use gnomon::analysis::effort::EffortArguments;
 use gnomon::analysis::sweep::{self, CaseSweep, Plan, Range, gate, plan, shard};
-use gnomon::harness::{Common, Division, Job, print, run};
+use gnomon::harness::{Common, Division, Job, arguments, check_follows, print, run};
 use gnomon::shadow::bias::Strategy;
 use gnomon::{Error, Result};
 use serde_json::Value;
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
 /// Sweeps bias strategies over cases, map sizes, formats and filters: exact counts of acne, lost shadow
 /// and every other artifact along each strategy's parameter.
@@ -67,7 +66,7 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     common: Common,
 }
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args: Args = arguments();
     run(move || body(&args))
 }
 
@@ -92,6 +91,7 @@ fn body(args: &Args) -> Result<()> {
         peter_panning: args.fail_peter_panning,
     };
     let baseline = args.baseline.as_deref().map(gate::baseline).transpose()?;
+    check_follows(baseline.is_some() || limits.acne.is_some() || limits.peter_panning.is_some());
     let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
     let mut worker = shard::Worker::new(&plan, args.effort.effort());
     let compute = |item| worker.compute(item);

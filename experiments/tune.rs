@@ -5,7 +5,7 @@ use gnomon::analysis::sweep::chart::{map_spec, usable_filter};
 use gnomon::analysis::sweep::{gate, plan};
 use gnomon::analysis::tune::{self, Request};
 use gnomon::engines::Engine;
-use gnomon::harness::{Common, print, print_table, run};
+use gnomon::harness::{Common, arguments, print, print_table, run};
 use gnomon::report::Block;
 use gnomon::scene::fit::SceneFile;
 use gnomon::scene::{Filter, cases};
@@ -47,7 +47,7 @@ struct Args {
 }
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args: Args = arguments();
     run(move || body(&args))
 }
 

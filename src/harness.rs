@@ -1,21 +1,28 @@
 //! What every binary shares: arguments, threads, progress, interruption, stdout and exit codes.
 
 mod division;
+mod shell;
 mod signals;
+mod sink;
 
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 pub use division::{Division, Done, Job, Shard};
-pub use signals::interrupted;
+pub use shell::arguments;
+pub use signals::{check_follows, interrupted};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::error::{is_control, printable, printable_lines, shown};
 use crate::num;
-use crate::output::{Lock, journal};
+use crate::output::{Disk, Lock, MANIFEST, Publication};
 use crate::report::{Profile, Report, Table, Written, write_index};
 use crate::{Error, Result};
+use shell::quoted;
+use sink::Sink;
 
 /// Arguments that every experiment takes; flatten them into the binary's own.
 #[derive(Clone, Debug, clap::Args)]
@@ -38,6 +45,9 @@ pub struct Common {
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Replace files in the output folder that this program has not written (links and folders never)
+    #[arg(long)]
+    pub force: bool,
     /// Check the files of this folder against its manifest, and do nothing else
     #[arg(long, value_name = "DIR")]
     pub verify: Option<PathBuf>,
@@ -61,18 +71,19 @@ impl Common {
     #[must_use]
     pub fn command(name: &str) -> String {
         const ELSEWHERE: [&str; 4] = ["--out", "--json", "--threads", "--merge"];
-        let mut arguments = std::env::args().skip(1).peekable();
+        let mut arguments = std::env::args_os().skip(1).peekable();
         let mut kept = vec![name.to_string()];
         while let Some(argument) = arguments.next() {
-            match ELSEWHERE.iter().find_map(|flag| argument.strip_prefix(flag)) {
+            let text = argument.to_string_lossy();
+            match ELSEWHERE.iter().find_map(|flag| text.strip_prefix(flag)) {
                 Some("") => {
                     drop(arguments.next());
-                    let several = argument == "--merge";
-                    while several && arguments.next_if(|value| !value.starts_with('-')).is_some() {}
+                    let is_value = |value: &OsString| !value.to_string_lossy().starts_with('-');
+                    while text == "--merge" && arguments.next_if(is_value).is_some() {}
                 }
                 Some(value) if value.starts_with('=') => {}
-                _ if argument == "--resume" => {}
-                _ => kept.push(argument),
+                _ if text == "--resume" || text == "--force" => {}
+                _ => kept.push(quoted(&argument)),
             }
         }
         kept.join(" ")
@@ -89,13 +100,9 @@ impl Common {
             division::verify(folder)?;
             std::process::exit(0);
         }
-        if let Some(threads) = self.threads {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-            let fewer = |e: rayon::ThreadPoolBuildError| {
-                Error::bad_input("--threads", e.to_string(), "ask for fewer threads")
-            };
-            pool.map_err(fewer)?;
-        }
+        let threads = self.threads.map_or(0, usize::from);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        pool.map_err(|e| Error::bad_input("--threads", e.to_string(), "ask for fewer threads"))?;
         num::check_float_mode()?;
         rayon::broadcast(|_| num::check_float_mode()).into_iter().collect()
     }
@@ -112,35 +119,61 @@ impl Common {
         name: &str,
         make: impl FnOnce() -> Result<Report>,
     ) -> Result<(Report, Written)> {
-        let _held = Lock::hold(&self.folder(name))?;
+        let _held = self.hold(name)?;
         let report = make()?;
         let written = self.finish(&report)?;
         Ok((report, written))
     }
 
+    /// Holds the report's folder for the run, and refuses one that holds the user's files under the
+    /// names that every report writes.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`], [`Error::Write`].
+    fn hold(&self, name: &str) -> Result<Lock> {
+        let folder = self.folder(name);
+        self.json.as_ref().map(|path| Sink::new(path, String::new())).transpose()?;
+        let lock = Lock::hold(&folder)?;
+        let publication = self.publication();
+        publication.prepare(&folder)?;
+        if self.out.is_none() {
+            publication.check(Path::new("reports"), &["index.html", MANIFEST])?;
+        }
+        Ok(lock)
+    }
+
+    fn publication(&self) -> Publication<'static> {
+        Publication { layer: &Disk, force: self.force, consent: &signals::Stoppable }
+    }
+
     /// Writes the report (and `--json`), prints its summary table and where the page is. The index
-    /// over all reports follows where the report's folder is the usual one.
+    /// over all reports follows where the report's folder is the usual one. What `--json` names is
+    /// written to, or ready beside its target, before any file of the folder is replaced.
     ///
     /// # Panics
     /// Where the folder was not held during the work, by [`Self::publish`] or by a [`Division`].
     ///
     /// # Errors
-    /// As [`Report::write`], and [`Error::Write`] for `--json`.
+    /// As [`Report::write`], [`Error::Write`] for `--json`, and [`Error::Partial`] where a signal came
+    /// before the files.
     pub fn finish(&self, report: &Report) -> Result<Written> {
         let folder = self.folder(&report.name);
         assert!(Lock::is_held(&folder), "the folder of a report is held while it is made");
-        let written = report.write(&folder)?;
+        let files = report.files();
+        let sink = |path: &PathBuf| Sink::new(path, json_text(&report.results));
+        let sink = self.json.as_ref().map(sink).transpose()?;
+        sink.as_ref().map_or(Ok(()), Sink::deliver)?;
+        let files = self.publication().publish(&folder, &files)?;
+        let written = Written { folder, files };
+        let told = || format!("the report in {}", shown(&written.folder));
+        sink.as_ref().map_or(Ok(()), Sink::publish).map_err(|e| e.having_written(&told()))?;
         if self.out.is_none() {
-            write_index(Path::new("reports"))?;
+            let index = write_index(Path::new("reports"), self.force);
+            index.map_err(|e| e.having_written(&told()))?;
         }
-        let to_stdout = self.json.as_deref() == Some(Path::new("-"));
-        match &self.json {
-            Some(_) if to_stdout => print(&json_text(&report.results))?,
-            Some(path) => write_json(path, &report.results)?,
-            None => {}
-        }
-        if !to_stdout {
-            print(&summary(report, &written))?;
+        signals::published();
+        if self.json.as_deref() != Some(Path::new("-")) {
+            print(&summary(report, &written)).map_err(|e| e.having_written(&told()))?;
         }
         Ok(written)
     }
@@ -150,35 +183,54 @@ impl Common {
 fn summary(report: &Report, written: &Written) -> String {
     let table = report.results_csv.as_ref().map(Table::to_text).unwrap_or_default();
     let lead = report.lead.join("\n");
-    format!("{table}\n{lead}\n\n{} files; open {}\n", written.files.len(), written.page().display())
+    format!("{table}\n{lead}\n\n{} files; open {}\n", written.files.len(), shown(&written.page()))
 }
 
+/// JSON in which characters that steer a terminal are escaped, as JSON itself allows.
 fn json_text(value: &serde_json::Value) -> String {
-    let mut text = serde_json::to_string_pretty(value).expect("a JSON value is JSON");
-    text.push('\n');
-    text
+    let text = serde_json::to_string_pretty(value).expect("a JSON value is JSON");
+    let mut told = String::with_capacity(text.len() + 1);
+    for c in text.chars() {
+        match c {
+            '\n' => told.push(c),
+            // All of them lie in the first plane, so one escape is enough.
+            c if is_control(c) => told.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => told.push(c),
+        }
+    }
+    told.push('\n');
+    told
 }
 
-/// Writes one JSON file: whole, or the earlier one stays.
+/// Writes one JSON file, whole or not at all; a device or a pipe is written to.
 ///
 /// # Errors
-/// [`Error::Write`] where the path cannot be written.
+/// [`Error::Write`] where the path cannot be written, [`Error::Partial`] where a signal came first.
 pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(parent).map_err(|e| Error::write(path, e))?;
-    journal::put(path, json_text(value).as_bytes())
+    let sink = Sink::new(path, json_text(value))?;
+    sink.deliver()?;
+    signals::commit()?;
+    sink.publish()?;
+    signals::published();
+    Ok(())
 }
 
-/// Prints to stdout. A reader that has gone away (`| head`) ends the program quietly.
+/// Prints to stdout what may steer no terminal. A reader that has gone away (`| head`) has had enough:
+/// that is no error.
 ///
 /// # Errors
 /// [`Error::Write`] where stdout cannot be written for another reason.
 pub fn print(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => std::process::exit(0),
+    match stdout.write_all(printable_lines(text).as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(|e| Error::write("stdout", e)),
     }
+}
+
+/// Says one sentence on stderr, the only way there; where that is full or closed, nobody hears it.
+fn complain(sentence: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", printable(sentence));
 }
 
 /// Prints a table as aligned text, which is a Markdown table too.
@@ -191,15 +243,18 @@ pub fn print_table(table: &Table) -> Result<()> {
 
 /// Runs a binary's body: prints an error once, as `error: …`, and turns it into its exit code.
 /// Ctrl-C ends the program with 130 and SIGTERM with 143, between two states of the output and within
-/// two seconds.
+/// two seconds; where the files came first, they stay and the program ends as if no signal had come.
 #[must_use]
 pub fn run(body: impl FnOnce() -> Result<()>) -> ExitCode {
     signals::watch();
-    match body() {
+    let outcome = body();
+    if let Some(interrupted) = signals::end() {
+        return interrupted;
+    }
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(_) if interrupted() => signals::exit_code(),
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
     }

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use gnomon::Error;
 use gnomon::output::{
-    Disk, FileLayer, Lock, Manifest, OutFile, digest, publish, publish_with, recover_with, verify,
+    Disk, FileLayer, Lock, MANIFEST_SCHEMA, Manifest, OutFile, digest, publish, publish_with,
+    recover_with, verify,
 };
 
 /// Fails the `at`-th operation, or from then on every one (a crash).
@@ -62,7 +63,9 @@ impl FileLayer for Faulty {
 fn state(names: &[(&str, &str)]) -> Vec<OutFile> {
     let mut files: Vec<_> = names.iter().map(|(n, text)| OutFile::new(*n, *text)).collect();
     let outputs = files.iter().map(|f| (f.name.clone(), digest(&f.bytes))).collect();
-    files.push(Manifest { outputs, ..Manifest::default() }.to_file());
+    files.push(
+        Manifest { schema: MANIFEST_SCHEMA.into(), outputs, ..Manifest::default() }.to_file(),
+    );
     files
 }
 

@@ -12,9 +12,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use super::shell::quoted;
 use super::{Common, Progress, interrupted, print, signals};
-use crate::output::journal::{Contents, Header, Journal, Outcome, encode, put};
-use crate::output::{self, Lock};
+use crate::error::shown;
+use crate::output::journal::{Contents, Header, Journal, Outcome, check_ours, encode};
+use crate::output::{self, Lock, put};
 use crate::report::Warning;
 use crate::{Error, Result};
 
@@ -199,16 +201,24 @@ impl Division {
         let folder = common.folder(job.name);
         if !self.merge.is_empty() {
             let merged = merge(&self.merge, job)?;
-            return Ok(Some(Done { _lock: Some(Lock::hold(&folder)?), ..merged }));
+            return Ok(Some(Done { _lock: Some(common.hold(job.name)?), ..merged }));
         }
         match self.shard {
-            Some(shard) => self.part(&folder, job, shard, compute).map(|()| None),
-            None => self.whole(&folder, job, compute).map(Some),
+            Some(shard) => self.part(&folder, job, shard, common.force, compute).map(|()| None),
+            None => {
+                let lock = common.hold(job.name)?;
+                self.whole(&folder, job, lock, compute).map(Some)
+            }
         }
     }
 
-    fn whole(&self, folder: &Path, job: &Job, compute: impl FnMut(u32) -> Vec<u8>) -> Result<Done> {
-        let lock = Lock::hold(folder)?;
+    fn whole(
+        &self,
+        folder: &Path,
+        job: &Job,
+        lock: Lock,
+        compute: impl FnMut(u32) -> Vec<u8>,
+    ) -> Result<Done> {
         let path = folder.join(format!(".{}.journal.tmp", job.name));
         let (journal, outcomes) = self.work(&path, job, 0..job.items.len() as u32, compute)?;
         let failures = job.failures(&outcomes);
@@ -220,14 +230,18 @@ impl Division {
         folder: &Path,
         job: &Job,
         shard: Shard,
+        force: bool,
         compute: impl FnMut(u32) -> Vec<u8>,
     ) -> Result<()> {
         let target = folder.join(shard.file());
         let said = |outcomes: &BTreeMap<u32, Outcome>| {
-            print(&format!("{} items in {}\n", outcomes.len(), target.display()))?;
+            print(&format!("{} items in {}\n", outcomes.len(), shown(&target)))?;
             partial(&job.failures(outcomes))
         };
         let _lock = Lock::hold_for(folder, &shard.file())?;
+        if !force {
+            check_ours(&target)?;
+        }
         if self.resume && target.exists() {
             let outcomes = Contents::read_whole(&target, &job.header())?.items;
             if outcomes.values().all(|o| o.is_ok()) {
@@ -237,8 +251,10 @@ impl Division {
         let path = folder.join(format!(".{}.journal.tmp", shard.file()));
         let range = shard.range(job.items.len() as u32);
         let (journal, outcomes) = self.work(&path, job, range, compute)?;
+        signals::commit()?;
         put(&target, &encode(&job.header(), &outcomes))?;
         journal.discard();
+        signals::published();
         said(&outcomes)
     }
 
@@ -285,12 +301,7 @@ fn guarded(compute: impl FnOnce() -> Vec<u8>) -> Outcome {
 
 /// This command, to be typed again with `--resume`.
 fn resume_line() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=%+".contains(c);
-    let quoted = |word: String| match !word.is_empty() && word.chars().all(plain) {
-        true => word,
-        false => format!("'{}'", word.replace('\'', r"'\''")),
-    };
-    let mut words: Vec<String> = std::env::args().map(quoted).collect();
+    let mut words: Vec<String> = std::env::args_os().map(|word| quoted(&word)).collect();
     if !words.iter().any(|word| word == "--resume") {
         words.push("--resume".into());
     }
@@ -329,7 +340,7 @@ fn merge(folders: &[PathBuf], job: &Job) -> Result<Done> {
                     let item = &job.items[index as usize];
                     let reason = format!("item {index} ({item}) differs from another shard's");
                     let fix = "were the shards made by the same program?";
-                    return Err(Error::bad_input(path.display().to_string(), reason, fix));
+                    return Err(Error::bad_input(shown(&path), reason, fix));
                 }
                 Some(Ok(_)) => {}
                 _ => drop(outcomes.insert(index, outcome)),
@@ -339,7 +350,7 @@ fn merge(folders: &[PathBuf], job: &Job) -> Result<Done> {
     let missing = (0..job.items.len() as u32).filter(|i| !outcomes.contains_key(i));
     let (first, count) = (missing.clone().next(), missing.count());
     if let Some(first) = first {
-        let names: Vec<_> = folders.iter().map(|f| f.display().to_string()).collect();
+        let names: Vec<_> = folders.iter().map(|f| shown(f)).collect();
         let item = &job.items[first as usize];
         let reason =
             format!("{count} of {} items are missing, first {first} ({item})", job.items.len());
@@ -351,5 +362,5 @@ fn merge(folders: &[PathBuf], job: &Job) -> Result<Done> {
 /// Checks a folder against its manifest and says how many files agree.
 pub(super) fn verify(folder: &Path) -> Result<()> {
     let agreeing = output::verify(folder)?;
-    print(&format!("{agreeing} files of {} are as they were written\n", folder.display()))
+    print(&format!("{agreeing} files of {} are as they were written\n", shown(folder)))
 }

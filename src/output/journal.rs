@@ -7,12 +7,14 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::layer::{Disk, FileLayer};
+use super::found;
+use super::put::put;
+use crate::error::shown;
 use crate::{Error, Result};
 
 const MAGIC: &[u8] = b"gnomon-journal-1\n";
@@ -20,6 +22,9 @@ const MAGIC: &[u8] = b"gnomon-journal-1\n";
 const FRAME: usize = 8;
 /// Bytes before an item's payload: index and state.
 const HEAD: usize = 5;
+
+/// Largest journal that is read, in bytes.
+const LARGEST: u64 = 4 << 30;
 
 /// What the items of a journal belong to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,18 +84,24 @@ impl Contents {
             return Ok(contents);
         }
         let reason = format!("is damaged from byte {} of {bytes} on", contents.sound);
-        Err(Error::bad_input(path.display().to_string(), reason, "remove it and make it again"))
+        Err(Error::bad_input(shown(path), reason, "remove it and make it again"))
     }
 
     fn read(path: &Path, header: &Header) -> Result<(Self, usize)> {
-        let bytes = fs::read(path).map_err(|e| Error::read(path, e))?;
-        let contents = Self::parse(&path.display().to_string(), &bytes)?;
+        let bytes = match found::read(path, LARGEST) {
+            Ok(Some(bytes)) => bytes,
+            Ok(None) => return Err(Error::read(path, std::io::ErrorKind::NotFound.into())),
+            Err(reason) => {
+                return Err(Error::bad_input(shown(path), reason, "give a journal's file"));
+            }
+        };
+        let contents = Self::parse(&shown(path), &bytes)?;
         if contents.header == *header {
             return Ok((contents, bytes.len()));
         }
         Err(Error::ResumeRefused(format!(
             "{} belongs to another run ({}; now {}); give the same settings and scenes, or start again without it",
-            path.display(),
+            shown(path),
             contents.header.about,
             header.about,
         )))
@@ -140,6 +151,27 @@ pub fn encode(header: &Header, items: &BTreeMap<u32, Outcome>) -> Vec<u8> {
     bytes
 }
 
+/// Refuses to replace or go on with what is no journal: a file may be absent, or begin as one does.
+///
+/// # Errors
+/// [`Error::BadInput`].
+pub fn check_ours(path: &Path) -> Result<()> {
+    let refused = |reason: &str| {
+        let fix = "nothing was written; look at it and remove it, or choose another --out";
+        Err(Error::bad_input(shown(path), reason, fix))
+    };
+    let mut head = Vec::new();
+    match found::open(path) {
+        Ok(None) => return Ok(()),
+        Ok(Some(file)) => file
+            .take(MAGIC.len() as u64)
+            .read_to_end(&mut head)
+            .map_err(|e| Error::read(path, e))?,
+        Err(reason) => return refused(&reason),
+    };
+    if head == MAGIC { Ok(()) } else { refused("is no journal of ours") }
+}
+
 /// A journal that is being written.
 #[derive(Debug)]
 pub struct Journal {
@@ -151,8 +183,9 @@ impl Journal {
     /// Starts a journal, replacing an earlier one.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Write`], [`Error::BadInput`] where what stands there is no journal.
     pub fn start(path: &Path, header: &Header) -> Result<Self> {
+        check_ours(path)?;
         put(path, &encode(header, &BTreeMap::new()))?;
         Self::open(path, None)
     }
@@ -163,6 +196,7 @@ impl Journal {
     /// [`Error::ResumeRefused`] where it belongs to another run, [`Error::BadInput`] where it is no
     /// journal, [`Error::Write`].
     pub fn resume(path: &Path, header: &Header) -> Result<(Self, BTreeMap<u32, Outcome>)> {
+        check_ours(path)?;
         if !path.exists() {
             return Ok((Self::start(path, header)?, BTreeMap::new()));
         }
@@ -194,32 +228,6 @@ impl Journal {
         drop(self.file);
         let _ = fs::remove_file(self.path);
     }
-}
-
-/// Writes a file whole or not at all: under a temporary name, synced, then renamed.
-///
-/// # Errors
-/// [`Error::Write`]; the earlier file is then untouched.
-pub fn put(path: &Path, bytes: &[u8]) -> Result<()> {
-    put_with(&Disk, path, bytes)
-}
-
-/// [`put`] on a given file layer.
-///
-/// # Errors
-/// As [`put`].
-pub fn put_with(layer: &dyn FileLayer, path: &Path, bytes: &[u8]) -> Result<()> {
-    let file = path.file_name().unwrap_or_default().to_string_lossy();
-    let staged = path.with_file_name(format!(".{file}.put.tmp"));
-    let written = layer
-        .write(&staged, bytes)
-        .and_then(|()| layer.sync(&staged))
-        .and_then(|()| layer.rename(&staged, path));
-    let written = written.inspect_err(|_| {
-        let _ = layer.remove(&staged);
-    });
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    written.and_then(|()| layer.sync_folder(folder)).map_err(|e| Error::write(path, e))
 }
 
 #[cfg(test)]

@@ -8,11 +8,11 @@ use std::path::Path;
 pub trait FileLayer {
     /// Makes the folder and its parents.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
-    /// Creates or truncates the file and writes all bytes.
+    /// Creates the file, which must not exist yet, and writes all bytes.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
     /// Makes the file's content durable.
     fn sync(&self, path: &Path) -> io::Result<()>;
-    /// Gives the file a second name (a copy where links are not possible).
+    /// Gives the file a second name, which must not exist yet (a copy where links are not possible).
     fn link(&self, from: &Path, to: &Path) -> io::Result<()>;
     /// Renames atomically, replacing the target.
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
@@ -31,17 +31,21 @@ impl FileLayer for Disk {
         fs::create_dir_all(path)
     }
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        File::create(path)?.write_all(bytes)
+        File::create_new(path)?.write_all(bytes)
     }
     fn sync(&self, path: &Path) -> io::Result<()> {
         // Windows refuses to sync a handle that cannot write.
         File::options().write(true).open(path)?.sync_all()
     }
     fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
-        fs::hard_link(from, to).or_else(|_| {
-            fs::copy(from, to)?;
-            self.sync(to)
-        })
+        match fs::hard_link(from, to) {
+            Err(e) if e.kind() != io::ErrorKind::AlreadyExists => {
+                let mut copy = File::create_new(to)?;
+                io::copy(&mut File::open(from)?, &mut copy)?;
+                copy.sync_all()
+            }
+            linked => linked,
+        }
     }
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         fs::rename(from, to)

@@ -1,17 +1,26 @@
 //! The manifest of an output folder: digests of inputs and outputs, and their check.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::OutFile;
+use super::found::{self, Found, digest, found, is_relative};
+use super::plan::Journal;
+use super::seal::{seal, unseal};
+use crate::error::shown;
 use crate::{Error, Result};
 
 /// Name of the manifest in its folder.
 pub const MANIFEST: &str = "manifest.json";
+
+/// The schema that this program writes and reads.
+pub const MANIFEST_SCHEMA: &str = "gnomon-manifest-1";
+
+/// Largest manifest that is read, in bytes.
+const LARGEST: u64 = 64 << 20;
 
 /// What a folder's files are and what they were made from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,8 +46,11 @@ impl Manifest {
     /// [`Error::Read`] when there is none, [`Error::BadInput`] when it is not a manifest.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
-        let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
-        Self::parse(&path.display().to_string(), &bytes)
+        match found::read(&path, LARGEST) {
+            Ok(Some(bytes)) => Self::parse(&shown(&path), &bytes),
+            Ok(None) => Err(Error::read(&path, io::ErrorKind::NotFound.into())),
+            Err(reason) => Err(Error::bad_input(shown(&path), reason, "run the experiment again")),
+        }
     }
 
     /// Parses a manifest's bytes; `place` names it in complaints.
@@ -56,40 +68,76 @@ impl Manifest {
     /// before it, so that [`verify`] finds a change of the manifest too.
     #[must_use]
     pub fn to_file(&self) -> OutFile {
-        let text = serde_json::to_string_pretty(self).expect("a manifest is JSON");
-        let body = text.strip_suffix("\n}").expect("a manifest is an object of members");
-        let own = digest(body.as_bytes());
-        OutFile::new(MANIFEST, format!("{body},\n  \"digest\": \"{own}\"\n}}\n"))
+        OutFile::new(MANIFEST, seal(self))
     }
 }
 
-/// SHA-256 of `bytes` as 64 hexadecimal digits.
-#[must_use]
-pub fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+/// A manifest of this program that is exactly as it was written.
+pub(super) struct Sound {
+    pub(super) manifest: Manifest,
+    own: String,
+}
+
+impl Sound {
+    /// The folder's manifest, where its schema and its own digest are right and every name stays in
+    /// the folder.
+    pub(super) fn read(folder: &Path) -> Option<Self> {
+        let bytes = found::read(&folder.join(MANIFEST), LARGEST).ok()??;
+        let manifest: Manifest = unseal(&bytes)?;
+        let names = manifest.outputs.keys().all(|name| is_relative(name));
+        let sound = names && manifest.schema == MANIFEST_SCHEMA;
+        sound.then(|| Self { manifest, own: digest(&bytes) })
+    }
+
+    /// Whether a file called `name` with this digest is ours.
+    pub(super) fn lists(&self, name: &str, digest: &str) -> bool {
+        match name {
+            MANIFEST => self.own == digest,
+            name => self.manifest.outputs.get(name).is_some_and(|listed| listed == digest),
+        }
+    }
 }
 
 /// Compares every file of the folder's manifest with its digest, the manifest with its own, and returns
 /// how many files agree.
 ///
 /// # Errors
-/// [`Error::CheckFailed`] names each file that differs; [`Error::Read`] one that is missing.
+/// [`Error::CheckFailed`] names each file that differs, or says that a publication was cut short;
+/// [`Error::Read`] names a file that is missing; [`Error::BadInput`] where there is no manifest of ours
+/// or it names a file outside of the folder.
 pub fn verify(folder: &Path) -> Result<usize> {
+    if let Journal::Ours(plan) = Journal::read(folder)
+        && !plan.done
+    {
+        let what = "a publication was cut short or is under way";
+        return Err(Error::CheckFailed(format!("{}: {what}; run again", shown(folder))));
+    }
     let manifest = Manifest::read(folder)?;
+    let place = || shown(&folder.join(MANIFEST));
+    if manifest.schema != MANIFEST_SCHEMA {
+        let reason = format!("has the schema '{}', not {MANIFEST_SCHEMA}", manifest.schema);
+        return Err(Error::bad_input(place(), reason, "run the experiment again"));
+    }
+    if let Some(name) = manifest.outputs.keys().find(|name| !is_relative(name)) {
+        let reason = format!("names '{name}', which is not in the folder");
+        return Err(Error::bad_input(place(), reason, "it is not ours: run the experiment again"));
+    }
     let mut changed = Vec::new();
-    let path = folder.join(MANIFEST);
-    if fs::read(&path).map_err(|e| Error::read(&path, e))? != manifest.to_file().bytes {
-        changed.push(MANIFEST);
+    if Sound::read(folder).is_none() {
+        changed.push(MANIFEST.to_string());
     }
     for (name, expected) in &manifest.outputs {
-        let path = folder.join(name);
-        let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
-        if digest(&bytes) != *expected {
-            changed.push(name.as_str());
+        match found(folder, name) {
+            Found::File(there) if there == *expected => {}
+            Found::File(_) => changed.push(name.clone()),
+            Found::Odd(reason) => changed.push(format!("{name} ({reason})")),
+            Found::Absent => {
+                return Err(Error::read(folder.join(name), io::ErrorKind::NotFound.into()));
+            }
         }
     }
     if changed.is_empty() {
         return Ok(manifest.outputs.len());
     }
-    Err(Error::CheckFailed(format!("{} changed: {}", folder.display(), changed.join(", "))))
+    Err(Error::CheckFailed(format!("{} changed: {}", shown(folder), changed.join(", "))))
 }

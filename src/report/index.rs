@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::page;
-use crate::output::{OutFile, publish};
+use crate::output::{MANIFEST_SCHEMA, Manifest, OutFile, Publication, digest};
 use crate::{Error, Result};
 
 /// What an index shows of a report; read from its `report.json`.
@@ -22,12 +22,13 @@ pub(super) struct Entry {
     pub(super) command: String,
 }
 
-/// Writes `folder/index.html` with the verdict of every report in a subfolder, by name.
+/// Writes `folder/index.html` with the verdict of every report in a subfolder, by name, and a manifest
+/// that says it is ours; `force` replaces the user's own file of that name.
 ///
 /// # Errors
-/// [`Error::Read`] and [`Error::BadInput`] where the folder or a `report.json` cannot be used,
-/// [`Error::Write`] where the index cannot be written.
-pub fn write_index(folder: &Path) -> Result<PathBuf> {
+/// [`Error::Read`] and [`Error::BadInput`] where the folder or a `report.json` cannot be used or the
+/// index would replace a file that is not ours, [`Error::Write`] where it cannot be written.
+pub fn write_index(folder: &Path, force: bool) -> Result<PathBuf> {
     let mut folders = Vec::new();
     for entry in fs::read_dir(folder).map_err(|e| Error::read(folder, e))? {
         let path = entry.map_err(|e| Error::read(folder, e))?.path();
@@ -37,7 +38,15 @@ pub fn write_index(folder: &Path) -> Result<PathBuf> {
     }
     folders.sort();
     let entries = folders.iter().map(|path| read(path)).collect::<Result<Vec<_>>>()?;
-    publish(folder, &[OutFile::new("index.html", page::render_index(&entries))])?;
+    let index = OutFile::new("index.html", page::render_index(&entries));
+    let manifest = Manifest {
+        schema: MANIFEST_SCHEMA.to_string(),
+        tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")).to_string(),
+        outputs: [(index.name.clone(), digest(&index.bytes))].into(),
+        ..Manifest::default()
+    };
+    let files = [index, manifest.to_file()];
+    Publication { force, ..Publication::default() }.publish(folder, &files)?;
     Ok(folder.join("index.html"))
 }
 

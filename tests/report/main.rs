@@ -39,7 +39,7 @@ fn written_files_verify_and_indexes_list_them() {
     let root = kept.as_deref().map_or(scratch.path(), Path::new);
     let written = sample::report().write(&root.join("sample")).unwrap();
     assert_eq!(output::verify(&written.folder).unwrap(), written.files.len() - 1);
-    let index = gnomon::report::write_index(root).unwrap();
+    let index = gnomon::report::write_index(root, false).unwrap();
     let index = std::fs::read_to_string(index).unwrap();
     assert!(index.contains("sample/index.html") && index.contains("headroom −0.0016"));
 }
@@ -249,7 +249,7 @@ fn the_committed_index_lists_the_committed_reports() {
             std::fs::copy(summary, copy.join("report.json")).unwrap();
         }
     }
-    let fresh = gnomon::report::write_index(scratch.path()).unwrap();
+    let fresh = gnomon::report::write_index(scratch.path(), false).unwrap();
     let committed = std::fs::read_to_string(reports.join("index.html")).unwrap();
     assert!(std::fs::read_to_string(fresh).unwrap() == committed, "reports/index.html is old");
 }
