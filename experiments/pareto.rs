@@ -77,10 +77,11 @@ fn body(args: &Args) -> Result<()> {
         ways.extend(plan.cases.iter().map(|c| (c.name.clone(), algorithms::ways(c, step))));
         Ok(report(&plan, &entries, &ways, profile, seed))
     };
-    args.common.publish("pareto", measure)?;
-    let Some(path) = &args.times else { return Ok(()) };
+    let (report, _) = args.common.publish("pareto", measure)?;
+    let Some(path) = &args.times else { return report.complete() };
     let times = plan.cases.iter().zip(&ways).map(|(c, (_, w))| time::times(c, &args.filter, w));
     let times: Vec<_> = times.collect();
     times.iter().try_for_each(|times| print(&time::text(times)))?;
-    write_json(path, &times.into())
+    write_json(path, &times.into())?;
+    report.complete()
 }
