@@ -34,5 +34,5 @@ fn body(args: &Args) -> Result<()> {
         let bar = Progress::new(cases.len(), "measuring");
         Ok(formats::report(&cases, args.common.profile(), args.common.seed, || bar.step()))
     };
-    args.common.publish("formats", measure).map(|_| ())
+    args.common.publish("formats", measure)?.0.complete()
 }

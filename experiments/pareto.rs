@@ -82,9 +82,11 @@ fn body(args: &Args) -> Result<()> {
         }
         Ok(report(&plan, &entries, &ways, profile, seed))
     };
-    args.common.publish("pareto", measure)?;
-    let Some(path) = &args.times else { return Ok(()) };
-    let written = times.iter().try_for_each(|times| print(&time::text(times)));
-    let written = written.and_then(|()| write_json(path, &times.into()));
-    written.map_err(|e| e.having_written("the report"))
+    let (report, _) = args.common.publish("pareto", measure)?;
+    if let Some(path) = &args.times {
+        let written = times.iter().try_for_each(|times| print(&time::text(times)));
+        let written = written.and_then(|()| write_json(path, &times.into()));
+        written.map_err(|e| e.having_written("the report"))?;
+    }
+    report.complete()
 }

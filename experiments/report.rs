@@ -24,7 +24,7 @@ use std::process::ExitCode;
   gnomon-report --scene model.glb --map-file shadow.png --packing unorm16 --light-matrix 1,0,...
   gnomon-report --device ideal                   the same systems on correctly rounded hardware
   gnomon-report explain --case upc --pixel 200,150
-Exit codes: 0 done, 2 bad input, 4 cannot write, 130 interrupted."
+Exit codes: 0 done, 2 bad input, 3 nothing was measured, 4 cannot write, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -74,8 +74,8 @@ fn measure(common: &Common, what: &Ask) -> Result<()> {
         let progress = Progress::new(cases, "measuring");
         documents::report(&options, || progress.step())
     };
-    common.publish("documents", measure)?;
-    Ok(())
+    let (report, _) = common.publish("documents", measure)?;
+    report.complete()
 }
 
 fn print_chain(case: &str, [x, y]: [u32; 2], device: Option<DeviceProfile>) -> Result<()> {

@@ -103,7 +103,7 @@ fn body(args: &Args) -> Result<()> {
     report.warnings.extend(done.warnings());
     args.common.finish(&report)?;
     done.close()?;
-    judge(&sweeps, &limits, baseline.as_ref())
+    judge(&sweeps, &limits, baseline.as_ref()).and_then(|()| report.complete())
 }
 
 fn judge(sweeps: &[CaseSweep], limits: &gate::Limits, baseline: Option<&Value>) -> Result<()> {

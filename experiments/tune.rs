@@ -66,7 +66,7 @@ fn body(args: &Args) -> Result<()> {
     let request = Request { case, engine, max_acne, profile, seed, command };
     let (report, _) = args.common.publish("tune", || Ok(tune::report(&request)))?;
     if args.common.json.as_deref() == Some(Path::new("-")) {
-        return Ok(());
+        return report.complete();
     }
     for block in report.blocks() {
         match block {
@@ -75,5 +75,5 @@ fn body(args: &Args) -> Result<()> {
             _ => {}
         }
     }
-    Ok(())
+    report.complete()
 }

@@ -79,8 +79,16 @@ fn a_light_matrix_places_the_map() {
     ];
     assert!(ours.lit.abs_diff(theirs.lit) * 1000 < ours.lit, "{} {}", ours.lit, theirs.lit);
     let near = |a: f64, b: f64| (a - b).abs() < 0.005;
-    assert!(near(ours.false_shadow.rate, theirs.false_shadow.rate), "{}", theirs.verdict);
-    assert!(near(ours.false_light.rate, theirs.false_light.rate), "{}", theirs.verdict);
+    assert!(
+        near(ours.false_shadow.rate.unwrap(), theirs.false_shadow.rate.unwrap()),
+        "{}",
+        theirs.verdict
+    );
+    assert!(
+        near(ours.false_light.rate.unwrap(), theirs.false_light.rate.unwrap()),
+        "{}",
+        theirs.verdict
+    );
 }
 
 /// A map that is upside down is told apart from a sound one.
@@ -104,8 +112,9 @@ fn a_flipped_map_is_wrong_almost_everywhere() {
     let captured = arguments.apply(&mut other, false).expect("texels").expect("a map");
     let flipped = measure_captured(&other, 4, Effort::default(), &captured).measurement;
     let sound = measure(&own, 4).measurement;
-    let wrong =
-        |m: &gnomon::analysis::measurement::Measurement| m.false_shadow.rate + m.false_light.rate;
+    let wrong = |m: &gnomon::analysis::measurement::Measurement| {
+        m.false_shadow.rate.unwrap() + m.false_light.rate.unwrap()
+    };
     assert!(wrong(&flipped) > 4.0 * wrong(&sound), "{} {}", flipped.verdict, sound.verdict);
     assert!(flipped.false_shadow.by_artifact["encoding-fault"] > 0, "{:?}", flipped.false_shadow);
 }

@@ -1,6 +1,10 @@
 //! One bias in every engine's unit: worked numbers, and going to and fro.
 
-use gnomon::engines::{Engine, Place};
+use gnomon::analysis::tune::{self, Request};
+use gnomon::depth::{DepthFormat, Packing};
+use gnomon::engines::{Engine, Place, Setting};
+use gnomon::report::{Block, Profile};
+use gnomon::scene::{Cull, Filter, TexelFormat, cases};
 use gnomon::shadow::bias::Strategy;
 use proptest::prelude::*;
 
@@ -117,6 +121,132 @@ proptest! {
             let Some(amount) = place.amount(strategy, bias) else { continue };
             let back = place.window(strategy, amount).expect("it had an amount");
             prop_assert!(ulps(bias, back) <= 2, "{strategy}: {bias:e} became {back:e}");
+        }
+    }
+}
+
+/// Every combination of what decides over a line.
+fn settings() -> Vec<Setting> {
+    let depths = DepthFormat::ALL.iter().map(|&f| TexelFormat::Depth(f));
+    let packed = Packing::ALL.iter().map(|&p| TexelFormat::Packed(p));
+    let formats: Vec<TexelFormat> = depths.chain(packed).collect();
+    let mut list = Vec::new();
+    for spot in [false, true] {
+        for &filter in Filter::ALL {
+            for &cull in Cull::ALL {
+                let of = |&format: &TexelFormat| Setting { spot, filter, cull, format };
+                list.extend(formats.iter().map(of));
+            }
+        }
+    }
+    list
+}
+
+/// Whether a parameter's line is known to be wrong: said once more, engine by engine.
+fn is_wrong(engine: Engine, name: &str, s: &Setting) -> bool {
+    let units = !matches!(
+        s.format,
+        TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::Unorm24 | DepthFormat::F32)
+    );
+    match (engine, name) {
+        (Engine::Hdrp | Engine::Cesium, _) => true,
+        (Engine::Godot | Engine::Filament | Engine::Bevy | Engine::Unreal | Engine::Urp, _) => {
+            s.spot
+        }
+        (Engine::Babylon, "bias") => s.filter == Filter::Nearest,
+        (_, "units" | "depthBiasConstantFactor" | "DepthBias" | "depthBias" | "shadowBias") => {
+            units
+        }
+        _ => false,
+    }
+}
+
+#[test]
+fn known_wrong_lines_are_withdrawn_and_no_others() {
+    for setting in settings() {
+        for &engine in Engine::ALL {
+            for knob in engine.knobs() {
+                let withdrawn = knob.withdrawn(&setting);
+                let wrong = is_wrong(engine, knob.name, &setting);
+                assert_eq!(withdrawn.is_some(), wrong, "{engine} {} {setting:?}", knob.name);
+                let full = withdrawn.is_none_or(|w| w.why.len() > 20 && w.instead.len() > 10);
+                assert!(full, "{engine} {}: {withdrawn:?}", knob.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_defaults_leave_is_not_said_where_they_are_other_ones() {
+    for setting in settings() {
+        let said = |engine: Engine| engine.default_withdrawn(&setting).is_none();
+        assert_eq!(said(Engine::Threejs), setting.cull == Cull::Front, "back faces are drawn");
+        for engine in [Engine::Babylon, Engine::Godot, Engine::Unity, Engine::Hdrp, Engine::Cesium]
+        {
+            assert!(!said(engine), "{engine}");
+        }
+        for engine in [Engine::Filament, Engine::Urp, Engine::Unreal] {
+            assert_eq!(said(engine), !setting.spot, "{engine}");
+        }
+        assert!(said(Engine::Bevy) && said(Engine::Vulkan));
+    }
+}
+
+#[test]
+fn values_that_an_engine_does_not_keep_are_known() {
+    let knob =
+        |engine: Engine, name: &str| engine.knobs().into_iter().find(|k| k.name == name).unwrap();
+    let depth = knob(Engine::Urp, "shadowDepthBias");
+    assert!(depth.accepts(0.0) && depth.accepts(10.0) && !depth.accepts(14.1));
+    let play = knob(Engine::Playcanvas, "shadowBias");
+    assert!(play.accepts(1.0) && !play.accepts(1.01) && !play.accepts(-0.1));
+    assert!(!knob(Engine::Hdrp, "slopeBias").accepts(2.55));
+    assert!(!knob(Engine::D3d12, "DepthBias").accepts(3e9));
+    for &engine in Engine::ALL {
+        assert!(engine.knobs().iter().all(|k| k.accepts(k.default)), "{engine} keeps its defaults");
+        for knob in engine.knobs() {
+            assert!(knob.value(0.0).is_sign_positive(), "{engine} {}: no -0", knob.name);
+        }
+    }
+}
+
+fn line(block: &Block) -> Option<String> {
+    if let Block::Code { text, .. } = block { Some(text.clone()) } else { None }
+}
+
+/// A tuned case shows lines for nothing that is withdrawn, and no value beyond what an engine keeps.
+#[test]
+fn no_withdrawn_line_reaches_a_report() {
+    for name in ["fundamentals-spot", "fundamentals-directional"] {
+        for format in [DepthFormat::Unorm16, DepthFormat::F16] {
+            for &engine in Engine::ALL {
+                let mut case = cases::named(name).unwrap();
+                (case.map.size, case.map.texel) = (64, TexelFormat::Depth(format));
+                case.canvas = [48, 36];
+                let setting = Setting::of(&case, case.lookup.filter, case.map.texel);
+                let (max_acne, seed, command) = (0.05, 1, String::new());
+                let request =
+                    Request { case, engine, max_acne, profile: Profile::Full, seed, command };
+                let report = tune::report(&request);
+                let lines: Vec<String> = report.blocks().filter_map(line).collect();
+                let values = &report.results["values"];
+                for knob in engine.knobs() {
+                    let value = values[knob.name].as_f64();
+                    let wrong = knob.withdrawn(&setting);
+                    assert!(
+                        wrong.is_none() || value.is_none_or(|v| v == 0.0),
+                        "{engine}: {value:?}"
+                    );
+                    assert!(value.is_none_or(|v| knob.accepts(v)), "{engine}: {value:?}");
+                    if let Some(w) = wrong.filter(|_| value.is_none()) {
+                        let said = report.lead.iter().any(|s| s.contains(w.why));
+                        assert!(said, "{engine} {}: {:?}", knob.name, report.lead);
+                    }
+                }
+                let set = values.as_object().unwrap().values().filter_map(|v| v.as_f64());
+                assert_eq!(lines.len(), set.filter(|v| *v != 0.0).count(), "{engine}: {lines:?}");
+                assert!(report.results["window_depth"].as_f64().is_none_or(|w| w.abs() <= 1.0));
+            }
         }
     }
 }

@@ -87,7 +87,11 @@ fn a_gltf_scene_is_read_and_measured() {
     let m = measure(&case, 1).measurement;
     assert!(m.shadowed > 100 && m.lit > 1000, "{} lit, {} shadowed", m.lit, m.shadowed);
     assert!(m.samples.outside_map == 0, "the fitted box holds every receiver");
-    assert!(m.false_shadow.rate < 0.02 && m.false_light.rate < 0.2, "{}", m.verdict);
+    assert!(
+        m.false_shadow.rate.unwrap() < 0.02 && m.false_light.rate.unwrap() < 0.2,
+        "{}",
+        m.verdict
+    );
     assert_eq!(m.samples.ambiguous, 0);
 }
 
@@ -269,6 +273,34 @@ fn obj_traps_are_named() {
     ] {
         let error = folder.load("trap.obj", text).expect_err(text).to_string();
         assert!(error.contains(word) && error.contains("trap.obj"), "{text:?}: {error}");
+    }
+}
+
+/// However long the line of sight is, only its direction decides which way is up.
+#[test]
+fn a_camera_that_looks_down_is_not_rolled() {
+    let obj = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 1 2 5\n";
+    let scene = Folder::new().load("scene.obj", obj).unwrap();
+    for length in [1e-3, 0.5, 1.0, 4.0, 1e3] {
+        for (sight, up) in [
+            ([3.0, -4.0, -5.0], DVec3::Y),
+            ([1.0, -6.9, 0.0], DVec3::Y),
+            ([1.0, 6.9, 0.0], DVec3::Y),
+            ([0.0, -1.0, 0.0], DVec3::NEG_Z),
+            ([0.1, -1.0, 0.0], DVec3::NEG_Z),
+            ([0.0, 1.0, 0.05], DVec3::NEG_Z),
+        ] {
+            let position = DVec3::new(1.0, 2.0, 3.0);
+            let mut settings = Settings::default();
+            settings.camera.position = Some(position.to_array());
+            let sight = DVec3::from_array(sight) * length;
+            settings.camera.target = Some((position + sight).to_array());
+            let view = fit::case("scene", scene.clone(), &settings).unwrap().camera.view;
+            assert_eq!(view.up, up, "looking along {sight}");
+            settings.camera.up = Some([1.0, 0.5, 0.25]);
+            let view = fit::case("scene", scene.clone(), &settings).unwrap().camera.view;
+            assert_eq!(view.up, DVec3::new(1.0, 0.5, 0.25), "a given up stays");
+        }
     }
 }
 

@@ -91,9 +91,13 @@ fn entry(case: &str, size: u32, false_shadow: f64) -> Entry {
         strategy: Strategy::Constant.name(),
         amount: 0.0,
         unit: Strategy::Constant.unit(),
-        acne_free: true,
+        acne_free: Some(true),
         cost: Cost::of(F32, size, Filter::Nearest, Strategy::Constant),
-        errors: Errors { false_shadow, false_light: 0.0, peter_panning: 0.0 },
+        errors: Errors {
+            false_shadow: Some(false_shadow),
+            false_light: Some(0.0),
+            peter_panning: 0.0,
+        },
         front: false,
     }
 }

@@ -282,10 +282,13 @@ fn gates_judge_the_amounts_that_were_asked_for() {
         step: 8,
         max_acne: 0.0,
     };
-    let limits = gate::Limits { acne: Some(0.001), peter_panning: Some(gate::Length::Texels(2.0)) };
-    let failures = |bias: &str| gate::failures(&run(&plan(bias), || {}), &limits);
+    let acne = gate::Limits { acne: Some(0.001), peter_panning: None };
+    let both = gate::Limits { peter_panning: Some(gate::Length::Texels(2.0)), ..acne };
+    let judged = |bias: &str, limits| gate::failures(&run(&plan(bias), || {}), limits);
+    let failures = |bias: &str| judged(bias, &acne);
     assert_eq!(failures("0.0001").len(), 1, "half of the plane is dark");
     assert!(failures("0.01").is_empty(), "beyond the plane's threshold");
+    assert!(judged("0.01", &both)[0].contains("not measured"), "nothing is shadowed");
     let sweeps = run(&plan("1e-6:1e-1:log:9"), || {});
     let baseline = report::report(&plan("0.01"), &sweeps, Profile::Quick, 1, String::new()).results;
     let same = gate::compare(&baseline, &sweeps).unwrap();

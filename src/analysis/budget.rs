@@ -134,8 +134,10 @@ impl Budget {
             ("filter reach", self.filter),
         ];
         let share = |x: f64| if total > 0.0 { 100.0 * x / total } else { 0.0 };
-        let list: Vec<String> =
-            parts.iter().map(|(n, x)| format!("{n} {:.0} %", share(*x) + 0.0)).collect();
+        let list: Vec<String> = parts
+            .iter()
+            .map(|(n, x)| format!("{n} {:.0} %", (share(*x)).round_ties_even() + 0.0))
+            .collect();
         let knobs = [
             ("a map of twice the size", self.twice_the_map),
             ("a 32-bit float map", self.float),

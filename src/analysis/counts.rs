@@ -3,7 +3,7 @@
 use super::classify::{Artifact, Outcome};
 use super::curve::Thresholds;
 use super::ladder::Rung;
-use super::measurement::{Gap, InteriorTotal, Samples, ShadowInterior, Tally, Wrongs};
+use super::measurement::{Gap, InteriorTotal, Samples, ShadowInterior, Tally, Wrongs, share};
 use super::observe::{Observation, Standing};
 use crate::scene::Case;
 use crate::truth::Truth;
@@ -153,7 +153,7 @@ impl<'o> Counts<'o> {
         let artifacts = Artifact::ALL.iter().map(|artifact| artifact.name());
         Wrongs {
             count,
-            rate: if population == 0 { 0.0 } else { count as f64 / population as f64 },
+            rate: share(count, population),
             weight: wrong.weights.iter().fold(0.0, |sum, weight| sum + weight),
             by_cause: names.zip(wrong.by_cause).collect(),
             by_artifact: artifacts.zip(wrong.by_artifact).collect(),
@@ -185,9 +185,7 @@ impl<'o> Counts<'o> {
         for (object, leaks) in case.objects.iter().zip(&self.leaks) {
             *found.leaks_by_object.entry(object.name.clone()).or_default() += leaks;
         }
-        if found.receivers > 0 {
-            found.leak_rate = found.leaks as f64 / found.receivers as f64;
-        }
+        found.leak_rate = share(found.leaks, found.receivers);
         found
     }
 
@@ -216,7 +214,7 @@ impl Wrong {
 }
 
 impl Samples {
-    fn add(&mut self, o: &Observation) {
+    pub(super) fn add(&mut self, o: &Observation) {
         match o.standing {
             Standing::Counted => {
                 self.counted += 1;

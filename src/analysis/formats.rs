@@ -1,14 +1,17 @@
 //! 8, 16, 24 and 32 bits of depth, plain and reversed: what each costs on a case.
 
+use super::measure::unmeasured;
+use super::measurement::share;
 use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
 use super::sweep::curve::Curve;
 use super::sweep::pictures::Gallery;
 use super::sweep::plots::thinned;
-use super::sweep::tally::Kind;
+use super::sweep::tally::{Kind, Tally};
 use super::sweep::taps::Taps;
 use super::sweep::{Field, Range};
 use crate::depth::{DepthFormat, Packing};
-use crate::report::number::significant;
+use crate::report::number::{percent, significant};
+use crate::report::slug::slugs;
 use crate::report::{
     Axis, Block, Cell, Colour, HeatMap, Marker, Plot, Profile, Report, Scale, Section, Series,
     Style, Table,
@@ -44,20 +47,20 @@ pub struct Measured {
     pub reversed: bool,
     /// Smallest constant bias from which no acne is left; `None` where there is none.
     pub critical: Option<f32>,
-    /// Share of the truly lit with acne at the case's bias.
-    pub acne: f64,
+    /// Share of the truly lit with acne at the case's bias; `None` where there are none.
+    pub acne: Option<f64>,
     /// Share of the truly lit that a cleared or broken texel darkens at the case's bias.
-    pub faults: f64,
-    /// Share of the truly shadowed that is wrongly lit at the case's bias.
-    pub false_light: f64,
+    pub faults: Option<f64>,
+    /// Share of the truly shadowed that is wrongly lit at the case's bias; `None` where there are none.
+    pub false_light: Option<f64>,
     /// Longest contact gap at the critical bias, world units.
     pub gap: Option<f64>,
-    /// World length of one step of the format at the middle receiver.
-    pub quantum_world: f64,
-    /// Share of the truly lit in false shadow at each of [`biases`].
+    /// World length of one step of the format at the middle receiver, if there is one.
+    pub quantum_world: Option<f64>,
+    /// Share of the truly lit in false shadow at each of [`biases`]; empty where there are none.
     pub curve: Vec<f64>,
     /// Share of all counted receivers with a wrong verdict at each of [`biases`].
-    pub wrong: Vec<f64>,
+    pub wrong: Vec<Option<f64>>,
 }
 
 /// The biases of the plots, window depth.
@@ -84,16 +87,16 @@ impl Measured {
         };
         let taps = Taps::on(chart, format, Strategy::Constant);
         let curve = taps.curve(&looks, case.lookup.compare);
-        let critical = curve.quiet_from(0, Kind::Acne);
+        let [lit, shadowed] = field.populations;
+        let critical = curve.quiet_from(0, Kind::Acne).filter(|_| lit > 0);
         let own = curve.at(&[case.bias])[0];
-        let [lit, shadowed] = field.populations.map(|n| n.max(1) as f64);
         Self {
             format,
             reversed,
             critical,
-            acne: own.of(Kind::Acne) as f64 / lit,
-            faults: own.of(Kind::EncodingFault) as f64 / lit,
-            false_light: own.false_light() as f64 / shadowed,
+            acne: share(own.of(Kind::Acne) as u64, lit),
+            faults: share(own.of(Kind::EncodingFault) as u64, lit),
+            false_light: share(own.false_light() as u64, shadowed),
             gap: critical.map(|b| curve.gaps_at(&[b])[0]),
             quantum_world: quantum_world(field, format, reversed),
             curve: shares(&curve, lit),
@@ -105,8 +108,11 @@ impl Measured {
     #[must_use]
     pub fn sentence(&self, case: &Case) -> String {
         let name = self.name();
-        let step = significant(self.quantum_world, 3);
+        let Some(step) = self.quantum_world.map(|step| significant(step, 3)) else {
+            return format!("{name}: no receiver was measured.");
+        };
         let ends = match self.critical {
+            None if self.acne.is_none() => "no receiver is truly lit".to_string(),
             None => "no constant bias ends its acne".to_string(),
             Some(b) if b > case.bias => {
                 format!(
@@ -125,31 +131,36 @@ impl Measured {
         };
         format!(
             "{name}: one step is {step} world units at the middle receiver; {ends}; there {} of the lit have acne and {} of the shadowed are lit.",
-            crate::report::number::percent(self.acne, 3),
-            crate::report::number::percent(self.false_light, 3),
+            rate(self.acne),
+            rate(self.false_light),
         )
     }
 }
 
-fn shares(curve: &Curve, lit: f64) -> Vec<f64> {
-    curve.at(&biases()).iter().map(|t| t.false_shadow() as f64 / lit).collect()
+/// A rate in a sentence.
+fn rate(rate: Option<f64>) -> String {
+    rate.map_or_else(|| "an unmeasured share".to_string(), |rate| percent(rate, 3))
 }
 
-fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<f64> {
-    let all = receivers.max(1) as f64;
-    curve.at(&biases()).iter().map(|t| (t.false_shadow() + t.false_light()) as f64 / all).collect()
+fn shares(curve: &Curve, lit: u64) -> Vec<f64> {
+    curve.at(&biases()).iter().filter_map(|t| share(t.false_shadow() as u64, lit)).collect()
+}
+
+fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<Option<f64>> {
+    let wrong = |t: &Tally| share((t.false_shadow() + t.false_light()) as u64, receivers as u64);
+    curve.at(&biases()).iter().map(wrong).collect()
 }
 
 /// One step of the format at the middle receiver. R8 and the book's packing keep 1/255: the book's
 /// four bytes lose what its first one rounds away.
-fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> f64 {
-    let Some(middle) = field.samples.get(field.samples.len() / 2) else { return f64::NAN };
+fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> Option<f64> {
+    let middle = field.samples.get(field.samples.len() / 2)?;
     let z = middle.exact.z as f32;
     let step = match format {
         TexelFormat::Packed(Packing::R8 | Packing::Book) => 1.0 / 255.0,
         format => quantum(format, if reversed { 1.0 - z } else { z }),
     };
-    step / field.site(middle, field.case().map.size).window_per_world
+    Some(step / field.site(middle, field.case().map.size).window_per_world)
 }
 
 /// All formats of a case at its own map size and filter.
@@ -175,7 +186,7 @@ pub fn measure(field: &Field<'_>) -> Vec<Measured> {
     all.par_iter().filter_map(one).collect()
 }
 
-fn plot(case: &Case, formats: &[Measured]) -> Plot {
+fn plot(id: &str, case: &Case, formats: &[Measured]) -> Plot {
     let xs = biases();
     let line = |(i, m): (usize, &Measured)| Series {
         name: m.name(),
@@ -184,7 +195,7 @@ fn plot(case: &Case, formats: &[Measured]) -> Plot {
         points: thinned(xs.iter().zip(&m.curve).map(|(&x, &y)| (f64::from(x), 100.0 * y))),
     };
     Plot {
-        id: format!("{}-formats", case.name),
+        id: format!("{id}-formats"),
         title: format!("{}: false shadow under each format", case.name),
         caption: "Where lines coincide the slope of the surface decides and the format does not matter; dashed lines are reversed depth.".into(),
         x: Axis::log("constant bias [window depth]"),
@@ -216,9 +227,9 @@ fn row(case: &Case, m: &Measured, texel: f64) -> Vec<Cell> {
         Cell::from(case.name.as_str()),
         Cell::from(m.name()),
         Cell::number(m.critical.map(f64::from)),
-        Cell::Percent(m.acne),
-        Cell::Percent(m.faults),
-        Cell::Percent(m.false_light),
+        Cell::share(m.acne),
+        Cell::share(m.faults),
+        Cell::share(m.false_light),
         Cell::number(m.gap),
         Cell::number(m.gap.map(|g| g / texel)),
         Cell::number(m.quantum_world),
@@ -239,40 +250,60 @@ fn columns() -> Table {
         .column("one step", "world", "of the format at the middle receiver")
 }
 
+/// The ids of cases on the page, in their order.
+fn ids(cases: &[Case]) -> Vec<String> {
+    let own = ["overview", "critical-bias", "numbers", "formats", "main", "about-run"];
+    let parts: Vec<_> = FORMATS.iter().map(|format| format.name()).chain(["formats"]).collect();
+    slugs(cases.iter().map(|case| case.name.as_str()), &own, &parts)
+}
+
+/// The EXR layers of a case under every plain format.
+fn layers<'m>(
+    field: &'m Field<'_>,
+    id: &'m str,
+    formats: &'m [Measured],
+    step: u32,
+) -> impl Iterator<Item = Block> + 'm {
+    formats.iter().filter(|m| !m.reversed).map(move |m| {
+        let gallery = Gallery::new(field, m.format, step);
+        let id = format!("{id}-{}", m.format.name());
+        Block::Exr(gallery.exr(&id, Strategy::Constant, field.case().bias))
+    })
+}
+
 /// The report over cases; EXR layers of every format where at most two cases are asked for, else of the
 /// first case.
 #[must_use]
 pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Sync) -> Report {
     let step = if profile == Profile::Quick { 4 } else { 1 };
     let mut table = columns();
-    let one = |(i, case): (usize, &Case)| {
+    let ids = ids(cases);
+    let one = |(i, (case, id)): (usize, (&Case, &String))| {
         let field = Field::new(case, step);
         let formats = measure(&field);
-        let mut section = Section::new(case.name.clone(), case.name.clone(), "");
+        let mut section = Section::new(id, &case.name, "");
         if i.is_multiple_of(cases.len().div_ceil(6)) {
-            section.push(plot(case, &formats));
+            section.push(plot(id, case, &formats));
         }
         for m in &formats {
             section.push(m.sentence(case));
         }
         if cases.len() <= 2 || i == 0 {
-            for m in formats.iter().filter(|m| !m.reversed) {
-                let id = format!("{}-{}", case.name, m.format.name());
-                let gallery = Gallery::new(&field, m.format, step);
-                section.push(Block::Exr(gallery.exr(&id, Strategy::Constant, case.bias)));
-            }
+            layers(&field, id, &formats, step).for_each(|block| section.push(block));
         }
         let middle = field.samples.get(field.samples.len() / 2);
         let texel = middle.map_or(f64::NAN, |s| field.site(s, case.map.size).texel_world);
         done();
-        (formats, section.folded(), texel)
+        let none = field.samples.is_empty().then(|| unmeasured(case, step));
+        (formats, section.folded(), texel, none)
     };
-    let measured: Vec<_> = cases.par_iter().enumerate().map(one).collect();
+    let measured: Vec<_> = cases.par_iter().zip(&ids).enumerate().map(one).collect();
     let mut results: Vec<Value> = Vec::new();
     let mut sections = Vec::new();
     let mut alike = 0;
     let mut criticals: Vec<Option<f64>> = Vec::new();
-    for (case, (formats, section, texel)) in cases.iter().zip(measured) {
+    let mut missing: Vec<String> = Vec::new();
+    for (case, (formats, section, texel, none)) in cases.iter().zip(measured) {
         let of = |f: TexelFormat| {
             formats.iter().find(|m| m.format == f && !m.reversed).and_then(|m| m.critical)
         };
@@ -288,6 +319,7 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
             }));
         }
         sections.push(section);
+        missing.extend(none);
     }
     let mut overview = Section::new(
         "overview",
@@ -304,10 +336,11 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         title: "8-bit versus 16-bit versus 24-bit versus float depth".into(),
         question: "Which bias does each depth format need, and what is left at the documents' own?"
             .into(),
-        lead: vec![format!(
+        lead: missing.iter().map(|why| format!("{why}.")).chain([format!(
             "In {alike} of {} cases 16 bits need at most a tenth more bias than 32-bit float: there the slope of the surfaces decides, not the format.",
             cases.len()
-        )],
+        )]).collect(),
+        unmeasured: missing,
         profile,
         seed,
         parameters: BTreeMap::from([("biases".into(), "0, 1e-7:1e-1:log:121".into())]),

@@ -5,7 +5,7 @@ use super::counts::Counts;
 use super::curve::Curve;
 use super::effort::{Count, Effort};
 use super::interior;
-use super::measurement::{Length, Measurement, Samples, Wrongs};
+use super::measurement::{Length, Measurement, Samples, Wrongs, half_measured};
 use super::observe::{Observation, Observer};
 use super::walk::Walk;
 use crate::raster::NO_TRIANGLE;
@@ -78,6 +78,7 @@ fn summarize(
         || stripe_period(observer, &counts.striped),
     );
     let (interior, interior_total) = counts.interiors(case);
+    let samples = samples(case, counts.samples.clone(), observations.len(), step);
     let mut measurement = Measurement {
         name: case.name.clone(),
         document: case.document.clone(),
@@ -87,7 +88,7 @@ fn summarize(
         filter: case.lookup.filter.name(),
         compare: case.lookup.compare.name(),
         bias: case.bias,
-        samples: samples(case, &counts, observations.len(), step),
+        samples,
         lit,
         shadowed,
         false_shadow: counts.wrongs(true, lit),
@@ -113,10 +114,22 @@ fn summarize(
     measurement
 }
 
-fn samples(case: &Case, counts: &Counts<'_>, receivers: usize, step: u32) -> Samples {
+fn samples(case: &Case, standings: Samples, receivers: usize, step: u32) -> Samples {
     let along = |size: u32| u64::from(size.div_ceil(step));
     let pixels = along(case.canvas[0]) * along(case.canvas[1]);
-    Samples { pixels, background: pixels - receivers as u64, ..counts.samples.clone() }
+    Samples { pixels, background: pixels - receivers as u64, ..standings }
+}
+
+/// Why no receiver of a case was measured at every `step`-th pixel and what to change, in one sentence
+/// without its full stop. Observes the case anew.
+#[must_use]
+pub fn unmeasured(case: &Case, step: u32) -> String {
+    let observer = Observer::new(case, &case.device.device());
+    let (observations, _) = observer.observe_all(step);
+    let mut standings = Samples::default();
+    observations.iter().for_each(|o| standings.add(o));
+    let samples = samples(case, standings, observations.len(), step);
+    format!("{}: {}", case.name, samples.unmeasured())
 }
 
 /// At most so many samples are walked; they are spread evenly over the list.
@@ -146,21 +159,25 @@ fn stripe_period(observer: &Observer<'_>, list: &[&Observation]) -> Option<Lengt
 
 /// What the numbers say in one sentence.
 fn verdict(m: &Measurement) -> String {
-    let percent = |w: &Wrongs| format!("{:.2} %", 100.0 * w.rate);
+    if m.lit + m.shadowed == 0 {
+        return capital(&format!("{}.", m.samples.unmeasured()));
+    }
     let main = |w: &Wrongs| {
         let largest = w.by_cause.iter().max_by_key(|(_, count)| **count);
         largest
             .filter(|(_, c)| **c > 0)
             .map_or_else(String::new, |(cause, _)| format!(", mostly from {cause}"))
     };
-    let errors = format!(
-        "At its bias {} the map shadows {} of the lit receivers{} and lights {} of the shadowed ones{}",
-        m.bias,
-        percent(&m.false_shadow),
-        main(&m.false_shadow),
-        percent(&m.false_light),
-        main(&m.false_light),
-    );
+    let said = |verb: &str, w: &Wrongs, whom: &str| {
+        let rate = 100.0 * w.rate?;
+        Some(format!("{verb} {rate:.2} % of the {whom}{}", main(w)))
+    };
+    let whom = if m.lit == 0 { "shadowed receivers" } else { "shadowed ones" };
+    let errors =
+        [said("shadows", &m.false_shadow, "lit receivers"), said("lights", &m.false_light, whom)];
+    let errors: Vec<String> = errors.into_iter().flatten().collect();
+    let half = half_measured([m.lit, m.shadowed]).map_or_else(String::new, |s| format!("; {s}"));
+    let errors = format!("At its bias {} the map {}{half}", m.bias, errors.join(" and "));
     let lost = match m.lost_shadows.as_slice() {
         [] => String::new(),
         objects => format!("; the whole shadow of {} is lost", objects.join(" and ")),
@@ -175,6 +192,12 @@ fn verdict(m: &Measurement) -> String {
         _ => String::new(),
     };
     format!("{errors}{lost}{thresholds}.")
+}
+
+/// A sentence that begins with a capital.
+fn capital(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or_else(String::new, |c| c.to_uppercase().chain(rest).collect())
 }
 
 impl Observer<'_> {

@@ -30,13 +30,66 @@ pub struct Samples {
     pub touching: u64,
 }
 
+impl Samples {
+    /// Why no receiver was measured and what to change, for the end of a sentence.
+    #[must_use]
+    pub fn unmeasured(&self) -> String {
+        let reasons = [
+            (
+                self.facing_away,
+                "face away from the light",
+                "turn the light or the camera so that it sees the side that the light reaches",
+            ),
+            (
+                self.outside_cone,
+                "lie outside the light's cone",
+                "turn the light towards what the camera sees, or widen its cone (light.fovy)",
+            ),
+            (
+                self.outside_map,
+                "lie outside the map",
+                "move or widen the light's box (light.width, near, far) around what the camera sees",
+            ),
+            (
+                self.ambiguous,
+                "cannot be decided",
+                "move the light out of the planes of the surfaces",
+            ),
+        ];
+        let largest = reasons.iter().rev().max_by_key(|reason| reason.0);
+        let seen = reasons.iter().any(|reason| reason.0 > 0);
+        let fix = largest.filter(|_| seen).map_or("turn the camera towards the scene", |r| r.2);
+        let counts = reasons.iter().map(|(n, what, _)| format!("{n} {what}"));
+        let background = format!("{} are background", self.background);
+        let list: Vec<String> = std::iter::once(background).chain(counts).collect();
+        format!("no receiver was measured (of {} pixels {}); {fix}", self.pixels, list.join(", "))
+    }
+}
+
+/// The share of `n` among `all`; `None` where there are none: it is not measured.
+#[must_use]
+pub fn share(n: u64, all: u64) -> Option<f64> {
+    (all > 0).then(|| n as f64 / all as f64)
+}
+
+/// What is not measured where one of the truly lit and the truly shadowed is empty, for the end of a
+/// sentence; `None` where neither is, or both are.
+#[must_use]
+pub fn half_measured(populations: [u64; 2]) -> Option<&'static str> {
+    match populations.map(|n| n > 0) {
+        [false, true] => Some("no receiver is truly lit, so acne is not measured"),
+        [true, false] => Some("no receiver is truly shadowed, so lost shadow is not measured"),
+        [true, true] | [false, false] => None,
+    }
+}
+
 /// One kind of wrong verdict.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Wrongs {
     /// Receivers with a wrong verdict.
     pub count: u64,
-    /// Their share of the truly lit (or shadowed) receivers.
-    pub rate: f64,
+    /// Their share of the truly lit (or shadowed) receivers; `None` where there are none: not measured.
+    pub rate: Option<f64>,
     /// Σ|v − truth|.
     pub weight: f64,
     /// By the first rung from which the verdict stays wrong.
@@ -94,17 +147,17 @@ impl Tally {
 pub struct InteriorTotal {
     /// Truly lit interior receivers.
     pub lit: u64,
-    /// Share of them dark at the case's bias.
-    pub acne_rate: f64,
-    /// Share of them dark without any bias.
-    pub acne_rate_without_bias: f64,
+    /// Share of them dark at the case's bias; `None` where there are none.
+    pub acne_rate: Option<f64>,
+    /// Share of them dark without any bias; `None` where there are none.
+    pub acne_rate_without_bias: Option<f64>,
 }
 
 impl InteriorTotal {
     pub(super) fn of(tallies: &BTreeMap<String, Tally>) -> Self {
         let sum = |count: fn(&Tally) -> u64| tallies.values().map(count).sum::<u64>();
         let lit = sum(|t| t.lit);
-        let share = |n: u64| if lit == 0 { 0.0 } else { n as f64 / lit as f64 };
+        let share = |n: u64| share(n, lit);
         Self {
             lit,
             acne_rate: share(sum(|t| t.false_shadow)),
@@ -120,8 +173,8 @@ pub struct ShadowInterior {
     pub receivers: u64,
     /// Of them: lit, at least partly.
     pub leaks: u64,
-    /// Their share.
-    pub leak_rate: f64,
+    /// Their share; `None` where there are none.
+    pub leak_rate: Option<f64>,
     /// Leaks by the receiver's object.
     pub leaks_by_object: BTreeMap<String, u64>,
 }

@@ -1,9 +1,12 @@
 //! A bias in each engine's own parameters: what they mean, their defaults, and the line to paste.
 
 pub mod convert;
+pub mod withdrawn;
 
 use crate::shadow::bias::{NormalMove, NormalWeight, PolygonOffset, Recipe, Strategy};
 pub use convert::Place;
+use withdrawn::Withdrawal;
+pub use withdrawn::{Setting, When};
 
 crate::catalogue! {
     /// Engines and APIs whose bias parameters were read in their source or specification.
@@ -54,17 +57,46 @@ pub struct Knob {
     pub default: f64,
     /// Whether only whole numbers are accepted.
     pub integer: bool,
+    /// The smallest and the largest value that the engine keeps as it is given.
+    pub range: [f64; 2],
+    /// Where its line is known to be wrong and is not printed.
+    pub withdrawn: &'static [Withdrawal],
 }
 
 const fn knob(name: &'static str, strategy: Strategy, scale: f64, default: f64) -> Knob {
-    Knob { name, strategy, scale, default, integer: false }
+    let range = [f64::NEG_INFINITY, f64::INFINITY];
+    Knob { name, strategy, scale, default, integer: false, range, withdrawn: &[] }
 }
 
 impl Knob {
-    /// The engine's value for an amount, rounded up to a whole number where it must be.
+    const fn within(self, low: f64, high: f64) -> Self {
+        Self { range: [low, high], ..self }
+    }
+
+    const fn whole(self) -> Self {
+        Self { integer: true, ..self }.within(i32::MIN as f64, i32::MAX as f64)
+    }
+
+    const fn without(self, withdrawn: &'static [Withdrawal]) -> Self {
+        Self { withdrawn, ..self }
+    }
+
+    /// Why its line is not printed in a setting; `None` where it is.
+    #[must_use]
+    pub fn withdrawn(&self, setting: &Setting) -> Option<&'static Withdrawal> {
+        withdrawn::withdrawn(self.withdrawn, setting)
+    }
+
+    /// Whether the engine keeps a value as it is given.
+    #[must_use]
+    pub fn accepts(&self, value: f64) -> bool {
+        (self.range[0]..=self.range[1]).contains(&value)
+    }
+
+    /// The engine's value for an amount, rounded up to a whole number where it must be; never -0.
     #[must_use]
     pub fn value(&self, amount: f64) -> f64 {
-        let value = amount * self.scale;
+        let value = amount * self.scale + 0.0;
         if self.integer { value.ceil() } else { value }
     }
 
@@ -93,53 +125,67 @@ impl Engine {
                 knob("shadow.normalBias", S::NormalOffset, 1.0, 0.0),
             ],
             Self::Babylon => vec![
-                knob("bias", S::Constant, 2.0, 5e-5),
+                knob("bias", S::Constant, 2.0, 5e-5).without(withdrawn::BABYLON),
                 knob("normalBias", S::CasterBabylon, 1.0, 0.0),
             ],
             Self::Bevy => vec![
-                knob("shadow_normal_bias", S::NormalBevy, 1.0, 1.8),
-                knob("shadow_depth_bias", S::LightOffset, 1.0, 0.02),
+                knob("shadow_normal_bias", S::NormalBevy, 1.0, 1.8).without(withdrawn::BEVY),
+                knob("shadow_depth_bias", S::LightOffset, 1.0, 0.02).without(withdrawn::BEVY),
             ],
             Self::Filament => vec![
-                knob("normalBias", S::NormalFilament, 1.0, 1.0),
-                knob("constantBias", S::LightOffset, 1.0, 0.001),
+                knob("normalBias", S::NormalFilament, 1.0, 1.0).without(withdrawn::FILAMENT),
+                knob("constantBias", S::LightOffset, 1.0, 0.001).without(withdrawn::FILAMENT),
             ],
             Self::Godot => vec![
-                knob("shadow_bias", S::LightOffset, 100.0, 0.1),
-                knob("shadow_normal_bias", S::NormalGodot, 1.0, 1.0),
+                knob("shadow_bias", S::LightOffset, 100.0, 0.1).without(withdrawn::GODOT),
+                knob("shadow_normal_bias", S::NormalGodot, 1.0, 1.0).without(withdrawn::GODOT),
             ],
             Self::Unity => vec![knob("shadowNormalBias", S::CasterUnity, 1.0, 0.4)],
             Self::Urp => vec![
-                knob("shadowNormalBias", S::CasterUrp, 1.0, 1.0),
-                knob("shadowDepthBias", S::CasterLight, 1.0, 1.0),
+                knob("shadowNormalBias", S::CasterUrp, 1.0, 1.0)
+                    .within(0.0, 10.0)
+                    .without(withdrawn::URP),
+                knob("shadowDepthBias", S::CasterLight, 1.0, 1.0)
+                    .within(0.0, 10.0)
+                    .without(withdrawn::URP),
             ],
             Self::Hdrp => vec![
-                knob("normalBias", S::NormalHdrp, 1.0, 0.75),
-                knob("slopeBias", S::SlopeRaster, 1.0, 0.5),
+                knob("normalBias", S::NormalHdrp, 1.0, 0.75).without(withdrawn::HDRP_NORMAL),
+                knob("slopeBias", S::SlopeRaster, 1.0, 0.5)
+                    .within(0.0, 1.0)
+                    .without(withdrawn::HDRP_SLOPE),
             ],
-            Self::Unreal => vec![knob("r.Shadow.CSMDepthBias", S::CasterUnreal, 1.0, 10.0)],
-            Self::Playcanvas => vec![knob("shadowBias", S::RasterPlaycanvas, 1.0, 0.05)],
+            Self::Unreal => {
+                vec![
+                    knob("r.Shadow.CSMDepthBias", S::CasterUnreal, 1.0, 10.0)
+                        .without(withdrawn::UNREAL),
+                ]
+            }
+            Self::Playcanvas => {
+                let bias = knob("shadowBias", S::RasterPlaycanvas, 1.0, 0.05);
+                vec![bias.within(0.0, 1.0).without(withdrawn::UNITS)]
+            }
             Self::Cesium => vec![
-                knob("depthBias", S::Constant, 1.0, 1e-4),
-                knob("normalOffsetScale", S::NormalCesium, 1.0, 0.5),
+                knob("depthBias", S::Constant, 1.0, 1e-4).without(withdrawn::CESIUM),
+                knob("normalOffsetScale", S::NormalCesium, 1.0, 0.5).without(withdrawn::CESIUM),
             ],
             Self::Gl => {
                 vec![
                     knob("factor", S::SlopeRaster, 1.0, 0.0),
-                    knob("units", S::RasterUnits, 1.0, 0.0),
+                    knob("units", S::RasterUnits, 1.0, 0.0).without(withdrawn::UNITS),
                 ]
             }
             Self::Vulkan => vec![
                 knob("depthBiasSlopeFactor", S::SlopeRaster, 1.0, 0.0),
-                knob("depthBiasConstantFactor", S::RasterUnits, 1.0, 0.0),
+                knob("depthBiasConstantFactor", S::RasterUnits, 1.0, 0.0).without(withdrawn::UNITS),
             ],
             Self::D3d12 => vec![
                 knob("SlopeScaledDepthBias", S::SlopeRaster, 1.0, 0.0),
-                Knob { integer: true, ..knob("DepthBias", S::RasterUnits, 1.0, 0.0) },
+                knob("DepthBias", S::RasterUnits, 1.0, 0.0).whole().without(withdrawn::UNITS),
             ],
             Self::Webgpu => vec![
                 knob("depthBiasSlopeScale", S::SlopeRaster, 1.0, 0.0),
-                Knob { integer: true, ..knob("depthBias", S::RasterUnits, 1.0, 0.0) },
+                knob("depthBias", S::RasterUnits, 1.0, 0.0).whole().without(withdrawn::UNITS),
             ],
         }
     }
@@ -194,6 +240,25 @@ impl Engine {
             },
             Self::Threejs | Self::Gl | Self::Vulkan | Self::D3d12 | Self::Webgpu => none,
         }
+    }
+
+    /// Why what the defaults leave is not said in a setting; `None` where it is.
+    #[must_use]
+    pub fn default_withdrawn(self, setting: &Setting) -> Option<&'static Withdrawal> {
+        let list: &'static [Withdrawal] = match self {
+            Self::Threejs => withdrawn::DEFAULT_THREEJS,
+            Self::Babylon => withdrawn::DEFAULT_BABYLON,
+            Self::Filament => withdrawn::DEFAULT_FILAMENT,
+            Self::Godot => withdrawn::DEFAULT_GODOT,
+            Self::Unity => withdrawn::DEFAULT_UNITY,
+            Self::Urp => withdrawn::DEFAULT_URP,
+            Self::Hdrp => withdrawn::DEFAULT_HDRP,
+            Self::Unreal => withdrawn::DEFAULT_UNREAL,
+            Self::Playcanvas => withdrawn::DEFAULT_PLAYCANVAS,
+            Self::Cesium => withdrawn::DEFAULT_CESIUM,
+            Self::Bevy | Self::Gl | Self::Vulkan | Self::D3d12 | Self::Webgpu => &[],
+        };
+        withdrawn::withdrawn(list, setting)
     }
 
     /// The line to paste for one parameter, the value as [`Knob::stored`].
@@ -267,7 +332,12 @@ impl Engine {
     #[must_use]
     pub const fn remark(self) -> &'static str {
         match self {
-            Self::Godot => "bias_scale and soft_scale are taken as 1",
+            Self::Threejs => {
+                "the map is drawn as map.cull says, while three.js draws back faces unless material.shadowSide is set to the side drawn here"
+            }
+            Self::Godot => {
+                "bias_scale and soft_scale are taken as 1; at the desktop default of soft_shadow_filter_quality shadow_bias acts twice as strong"
+            }
             Self::Unity => {
                 "how the built-in depth bias scales is not public, so only the normal bias is tuned"
             }
@@ -281,7 +351,14 @@ impl Engine {
                 "hard shadows under a directional light; soft shadows multiply both values by 2.5, and a spot takes half a texel at its range everywhere"
             }
             Self::Babylon => "the depth-texture path; bias is added to casters' NDC depth",
-            _ => "",
+            Self::Bevy
+            | Self::Filament
+            | Self::Hdrp
+            | Self::Playcanvas
+            | Self::Gl
+            | Self::Vulkan
+            | Self::D3d12
+            | Self::Webgpu => "",
         }
     }
 }

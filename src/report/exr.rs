@@ -26,6 +26,15 @@ pub struct ExrImage {
     pub metadata: serde_json::Value,
 }
 
+/// A JSON text in ASCII: EXR's texts know Latin-1 alone.
+fn ascii(value: &serde_json::Value) -> String {
+    let escaped = |c: char| {
+        let units = c.encode_utf16(&mut [0; 2]).iter().map(|u| format!("\\u{u:04x}")).collect();
+        if c.is_ascii() { c.to_string() } else { units }
+    };
+    value.to_string().chars().map(escaped).collect()
+}
+
 impl ExrImage {
     /// The file: ZIP in blocks of 16 scan lines, increasing, channels sorted by name. This is the
     /// combination that gives the same bytes in every run.
@@ -47,7 +56,7 @@ impl ExrImage {
         };
         let layer = Layer::new(size, LayerAttributes::default(), encoding, channels);
         let mut image = Image::from_layer(layer);
-        let text = AttributeValue::Text(Text::from(self.metadata.to_string().as_str()));
+        let text = AttributeValue::Text(Text::from(ascii(&self.metadata).as_str()));
         image.attributes.other.insert(Text::from(ATTRIBUTE), text);
         let mut bytes = Cursor::new(Vec::new());
         image.write().to_buffered(&mut bytes).expect("an image with channels encodes in memory");

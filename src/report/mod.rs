@@ -14,6 +14,7 @@ pub mod number;
 mod page;
 pub mod palette;
 mod plot;
+pub mod slug;
 mod table;
 mod write;
 
@@ -83,6 +84,8 @@ pub struct Report {
     pub warnings: Vec<Warning>,
     /// Plots as SVG files alone, without a PNG each: for reports of many plots.
     pub vectors_only: bool,
+    /// Of what nothing was measured, why, and what to change: a sentence each, without its full stop.
+    pub unmeasured: Vec<String>,
 }
 
 /// A part of the page with a heading of its own.
@@ -277,6 +280,17 @@ impl From<Vec<Finding>> for Block {
 }
 
 impl Report {
+    /// Whether everything was measured; call once the report is written and its gates are judged.
+    ///
+    /// # Errors
+    /// [`crate::Error::Partial`] where nothing was measured of something.
+    pub fn complete(&self) -> crate::Result<()> {
+        match self.unmeasured.as_slice() {
+            [] => Ok(()),
+            list => Err(crate::Error::Partial(list.join("; "))),
+        }
+    }
+
     /// Every block of the report, rows opened, in page order.
     pub fn blocks(&self) -> impl Iterator<Item = &Block> {
         self.sections.iter().flat_map(|section| &section.blocks).flat_map(Block::flat)

@@ -19,7 +19,8 @@ pub fn shortest(value: f64) -> String {
 #[must_use]
 pub fn significant(value: f64, digits: u8) -> String {
     match Decimal::new(value, digits) {
-        None => shortest(value),
+        // Of -0 people see 0.
+        None => shortest(value + 0.0),
         Some(decimal) if decimal.is_positional() => decimal.positional(),
         Some(decimal) => format!("{}e{}", decimal.mantissa(), decimal.exponent),
     }
@@ -135,6 +136,7 @@ mod tests {
             (100.0, 3, "100"),
             (9.999, 3, "10"),
             (0.0, 3, "0"),
+            (-0.0, 3, "0"),
             (f64::INFINITY, 3, "inf"),
             (f64::NAN, 3, "NaN"),
         ];

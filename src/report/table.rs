@@ -60,6 +60,12 @@ impl Cell {
         value.into().map_or(Self::Missing, |value| Self::Number(value, 4))
     }
 
+    /// A fraction shown as per cent, or [`Cell::Missing`].
+    #[must_use]
+    pub fn share(value: Option<f64>) -> Self {
+        value.map_or(Self::Missing, Self::Percent)
+    }
+
     /// A count.
     ///
     /// # Panics
@@ -95,13 +101,17 @@ impl Cell {
         }
     }
 
-    /// Text for CSV: numbers read back to the same bits, a missing value is empty.
+    /// Text for CSV: numbers read back to the same bits, a missing value is empty, and words are no
+    /// formula.
     #[must_use]
     pub fn to_csv(&self) -> String {
         match self {
             Self::Number(value, _) | Self::Percent(value) => number::shortest(*value),
             Self::Missing => String::new(),
-            _ => self.to_text(),
+            Self::Integer(value) => value.to_string(),
+            Self::Text(_) | Self::Code(_) | Self::Link { .. } | Self::Class(..) => {
+                inert(self.to_text())
+            }
         }
     }
 
@@ -110,6 +120,12 @@ impl Cell {
     pub const fn is_numeric(&self) -> bool {
         matches!(self, Self::Integer(_) | Self::Number(..) | Self::Percent(_))
     }
+}
+
+/// Words that no spreadsheet takes for a formula: after an apostrophe where one would. Numbers stay.
+fn inert(text: String) -> String {
+    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠']);
+    if formula && text.parse::<f64>().is_err() { format!("'{text}") } else { text }
 }
 
 impl From<&str> for Cell {
@@ -169,7 +185,8 @@ impl Table {
     #[must_use]
     pub fn to_csv(&self) -> String {
         let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
-        let headings = std::iter::once(self.columns.iter().map(Column::heading).collect());
+        let headings = self.columns.iter().map(|column| inert(column.heading()));
+        let headings = std::iter::once(headings.collect());
         let rows = self.rows.iter().map(|row| row.iter().map(Cell::to_csv).collect::<Vec<_>>());
         for record in headings.chain(rows) {
             writer.write_record(record).expect("rows of one width are written to memory");

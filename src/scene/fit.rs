@@ -106,6 +106,9 @@ const LARGEST_SIDE: u32 = 8192;
 /// Fitted planes and boxes stand off the geometry by this share.
 const MARGIN: f64 = 0.01;
 
+/// The document of every user's scene.
+pub const YOURS: &str = "your scene";
+
 /// World bounds of a scene.
 struct Bounds {
     points: Vec<DVec3>,
@@ -134,6 +137,11 @@ impl Bounds {
             .map(|p| p.dot(axis))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)))
     }
+}
+
+/// A name as people may see it: as it is, without control characters.
+fn shown(name: &str) -> String {
+    name.replace(char::is_control, "\u{fffd}")
 }
 
 /// Builds the case of a user's scene.
@@ -165,16 +173,16 @@ pub fn case(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case>
     }
     let (filter, compare, wrap, cull, device) = settings.choices()?;
     let chain = MatrixChain::World;
-    let object = |(name, mesh, model)| Object {
-        name,
+    let object = |(name, mesh, model): (String, _, _)| Object {
+        name: shown(&name),
         mesh,
         model,
         matrices: chain.matrices(&light, &camera, &model),
     };
     let texel = settings.texel()?;
     Ok(Case {
-        name: name.to_string(),
-        document: "your scene".to_string(),
+        name: shown(name),
+        document: YOURS.to_string(),
         objects: scene.parts.into_iter().map(object).collect(),
         light,
         camera,
@@ -209,9 +217,10 @@ fn unit(v: DVec3, place: &str) -> Result<DVec3> {
     }
 }
 
-/// An up vector that is not parallel to the line of sight.
+/// An up vector that is not parallel to the line of sight, which may have any length.
 fn up_for(given: Option<[f64; 3]>, direction: DVec3) -> DVec3 {
-    let fallback = if direction.y.abs() > 0.99 { DVec3::NEG_Z } else { DVec3::Y };
+    let fallback =
+        if direction.y.abs() > 0.99 * length(direction) { DVec3::NEG_Z } else { DVec3::Y };
     given.map_or(fallback, DVec3::from_array)
 }
 

@@ -11,6 +11,7 @@ use crate::analysis::sweep::Field;
 use crate::report::{
     Axis, Block, Cell, Colour, Column, HeatMap, Marker, Plot, Section, Series, Style, Table,
 };
+use crate::scene::fit::YOURS;
 
 /// Formats and the budget are surveyed on every so many pixels in x and y, in every profile: they compare
 /// settings with each other, which few receivers show as well as many.
@@ -20,37 +21,46 @@ const SURVEY_STEP: u32 = 4;
 const FALSE_SHADOW: Colour = Colour::Vermilion;
 const FALSE_LIGHT: Colour = Colour::Blue;
 
-/// The case's section, folded; `compared` are its variants.
-pub(super) fn section(measured: &Measured<'_>, compared: &[Measured<'_>], step: u32) -> Section {
+/// The case's section, folded, and its blocks under ids that begin with `id`; `compared` are its
+/// variants.
+pub(super) fn section(
+    id: &str,
+    measured: &Measured<'_>,
+    compared: &[Measured<'_>],
+    step: u32,
+) -> Section {
     let m = &measured.measurement;
     let observer = &measured.observer;
-    let mut section =
-        Section::new(m.name.clone(), format!("{} ({})", m.name, m.document), m.verdict.clone())
-            .called(m.name.clone())
-            .folded();
-    let shaded = shade::shaded(observer, &measured.observations, step);
-    let exr = layers::layers(observer, &measured.observations, step, &shaded.rgb);
+    let mut section = Section::new(id, format!("{} ({})", m.name, m.document), m.verdict.clone())
+        .called(m.name.clone())
+        .folded();
+    let shaded = shade::shaded(id, observer, &measured.observations, step);
+    let exr = layers::layers(id, observer, &measured.observations, step, &shaded.rgb);
     section.push(Block::Row(vec![
-        shade::classified(observer, &measured.observations, step).into(),
+        shade::classified(id, observer, &measured.observations, step).into(),
         shaded.into(),
-        shade::map(observer).into(),
+        shade::map(id, observer).into(),
     ]));
-    section.push(explore::explorer(measured, compared, step));
-    section.push(curve(measured));
+    section.push(explore::explorer(id, measured, compared, step));
+    section.push(curve(id, measured));
     let field = Field::over(measured.observer.clone(), step.max(SURVEY_STEP));
-    section.push(formats_by_bias(&m.name, &field));
-    section.push(Budget::of(&field).sentence(&m.name));
-    section.push(numbers(m));
-    section.push(causes(m));
+    section.push(formats_by_bias(id, &m.name, &field));
+    if m.lit > 0 {
+        section.push(Budget::of(&field).sentence(&m.name));
+    }
+    section.push(numbers(id, m));
+    section.push(causes(id, m));
     section.push(assumptions(m));
     section.push(exr);
-    section.push(Block::Code {
-        language: "shell".to_string(),
-        text: format!(
-            "gnomon-report --case {0} --full\ngnomon-report explain --case {0} --pixel X,Y",
-            m.name
-        ),
-    });
+    if m.document != YOURS {
+        section.push(Block::Code {
+            language: "shell".to_string(),
+            text: format!(
+                "gnomon-report --case {0} --full\ngnomon-report explain --case {0} --pixel X,Y",
+                m.name
+            ),
+        });
+    }
     section
 }
 
@@ -75,9 +85,9 @@ fn biases() -> Vec<f32> {
 }
 
 /// False shadow and false light against every constant bias.
-fn curve(measured: &Measured<'_>) -> Plot {
+fn curve(id: &str, measured: &Measured<'_>) -> Plot {
     let m = &measured.measurement;
-    let [lit, shadowed] = measured.curve.populations().map(|n| n.max(1) as f64);
+    let [lit, shadowed] = measured.curve.populations().map(|n| n as f64);
     let at = |share: &dyn Fn(f32) -> f64| {
         biases().into_iter().map(|b| (f64::from(b), 100.0 * share(b))).collect::<Vec<_>>()
     };
@@ -91,13 +101,13 @@ fn curve(measured: &Measured<'_>) -> Plot {
         x.filter(|x| *x > 0.0).map(|x| Marker { x: f64::from(x), label: label.to_string(), colour })
     };
     Plot {
-        id: format!("{}-curve", m.name),
+        id: format!("{id}-curve"),
         title: format!("{}: errors at every constant bias", m.name),
         caption: "Exact for every bias: read off the sorted breakpoints of all receivers"
             .to_string(),
         x: Axis::log("constant bias [window depth]"),
         y: Axis { range: Some((0.0, 100.0)), ..Axis::linear("share of receivers [%]") },
-        series: vec![
+        series: [
             series(
                 "false shadow (of the lit)",
                 FALSE_SHADOW,
@@ -108,7 +118,11 @@ fn curve(measured: &Measured<'_>) -> Plot {
                 FALSE_LIGHT,
                 at(&|b| measured.curve.at(b).false_light_weight / shadowed),
             ),
-        ],
+        ]
+        .into_iter()
+        .zip([lit, shadowed])
+        .filter_map(|(series, population)| (population > 0.0).then_some(series))
+        .collect(),
         markers: [
             mark(Some(m.bias), "document's bias", Colour::Ink),
             mark(m.thresholds.critical, "critical", FALSE_SHADOW),
@@ -121,18 +135,18 @@ fn curve(measured: &Measured<'_>) -> Plot {
 }
 
 /// Wrong verdicts under each format at each bias.
-fn formats_by_bias(name: &str, field: &Field<'_>) -> HeatMap {
+fn formats_by_bias(id: &str, name: &str, field: &Field<'_>) -> HeatMap {
     let row = |m: formats::Measured| {
         (m.name(), overview::columns().into_iter().map(|(i, _)| m.wrong[i]).collect())
     };
     let rows = formats::measure(field).into_iter().map(row).collect();
     let title = format!("{name}: wrong verdicts, format by bias");
-    let mut map = overview::heat_map(&format!("{name}-formats"), &title, "format", rows);
+    let mut map = overview::heat_map(&format!("{id}-formats"), &title, "format", rows);
     map.caption.push_str(" On every 4th pixel in x and y.");
     map
 }
 
-fn numbers(m: &Measurement) -> Table {
+fn numbers(id: &str, m: &Measurement) -> Table {
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     let mut row = |name: &str, value: Cell, unit: &str| {
         rows.push(vec![name.into(), value, unit.into()]);
@@ -166,7 +180,7 @@ fn numbers(m: &Measurement) -> Table {
     row("stripe period without bias", Cell::number(m.stripe_period.map(|l| l.texels)), "texels");
     let column = |name: &str| Column { name: name.to_string(), ..Column::default() };
     Table {
-        id: format!("{}-numbers", m.name),
+        id: format!("{id}-numbers"),
         caption: "Receivers, thresholds and lengths".to_string(),
         columns: vec![column("quantity"), column("value"), column("unit")],
         rows,
@@ -174,19 +188,15 @@ fn numbers(m: &Measurement) -> Table {
 }
 
 /// Wrong verdicts by cause and artifact.
-fn causes(m: &Measurement) -> Table {
+fn causes(id: &str, m: &Measurement) -> Table {
     let column = |name: &str, help: &str| Column {
         name: name.to_string(),
         help: help.to_string(),
         ..Column::default()
     };
     let rows = |kind: &str, w: &Wrongs| {
-        let mut cells: Vec<Cell> = vec![
-            kind.into(),
-            Cell::count(w.count),
-            Cell::Percent(w.rate),
-            Cell::Number(w.weight, 4),
-        ];
+        let mut cells: Vec<Cell> =
+            vec![kind.into(), Cell::count(w.count), Cell::share(w.rate), Cell::Number(w.weight, 4)];
         cells.extend(Rung::ALL.iter().map(|r| Cell::count(w.by_cause[r.name()])));
         cells.extend(Artifact::ALL.iter().map(|a| Cell::count(w.by_artifact[a.name()])));
         cells
@@ -200,7 +210,7 @@ fn causes(m: &Measurement) -> Table {
     columns.extend(Rung::ALL.iter().map(|r| column(&format!("by {r}"), &r.about())));
     columns.extend(Artifact::ALL.iter().map(|a| column(&a.name().replace('-', " "), &a.about())));
     Table {
-        id: format!("{}-causes", m.name),
+        id: format!("{id}-causes"),
         caption:
             "Wrong verdicts by cause (first rung from which they stay wrong) and by artifact; \
                   each group adds up to the receivers"

@@ -8,6 +8,7 @@ use crate::num::{from_ordinal, ordinal};
 use crate::report::explorer::{Class, Codes, Detail, Explorer, Field, Slider, Truth, Values, View};
 use crate::report::{Colour, explorer};
 use crate::scene::CompareRule;
+use crate::scene::fit::YOURS;
 use crate::shadow;
 
 /// Rungs and fields travel for at most so many samples a side.
@@ -20,7 +21,12 @@ const AMBIGUOUS: u8 = 8;
 const BACKGROUND: u8 = 9;
 
 /// The case at every constant bias, and its variants beside it.
-pub(super) fn explorer(measured: &Measured<'_>, compared: &[Measured<'_>], step: u32) -> Explorer {
+pub(super) fn explorer(
+    id: &str,
+    measured: &Measured<'_>,
+    compared: &[Measured<'_>],
+    step: u32,
+) -> Explorer {
     let case = measured.observer.case();
     let [width, height] = case.canvas.map(|side| side.div_ceil(step));
     let m = &measured.measurement;
@@ -29,7 +35,7 @@ pub(super) fn explorer(measured: &Measured<'_>, compared: &[Measured<'_>], step:
         thresholds.into_iter().filter_map(|(b, name)| Some((b.filter(|b| *b > 0.0)?, name)));
     let marks = [(0.0, "no bias"), (m.bias, "document's bias")].into_iter().chain(marks);
     let mut explorer = Explorer {
-        id: format!("{}-explorer", m.name),
+        id: format!("{id}-explorer"),
         title: format!("Drag the bias of {}", m.name),
         caption:
             "Exact at every f32 bias; click or use the arrow keys on the picture to inspect a \
@@ -51,8 +57,9 @@ pub(super) fn explorer(measured: &Measured<'_>, compared: &[Measured<'_>], step:
     };
     let shown = std::iter::once(measured).chain(compared);
     explorer.views = shown.map(|measured| view(measured, &explorer)).collect();
-    // Variants have no name that `explain` knows.
-    explorer.views.iter_mut().skip(1).for_each(|view| view.command.clear());
+    // Variants and users' scenes have no name that `explain` knows.
+    let known = usize::from(case.document != YOURS);
+    explorer.views.iter_mut().skip(known).for_each(|view| view.command.clear());
     explorer
 }
 
@@ -84,7 +91,7 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
         let row = height - 1 - o.pixel[1] / step;
         seen[(row * width + o.pixel[0] / step) as usize] = Some(o);
     }
-    let taps = measured.observations.first().map_or(1, |o| o.breakpoints.len());
+    let taps = measured.observations.iter().map(|o| o.breakpoints.len()).max().unwrap_or(1);
     let mut view = View {
         name: case.name.clone(),
         taps,
@@ -92,11 +99,18 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
         ..View::default()
     };
     for o in &seen {
-        view.truth.push(truth(*o));
-        for tap in order(*o, taps) {
+        let truth = truth(*o);
+        view.truth.push(truth);
+        let own = o.map_or(0, |o| o.breakpoints.len());
+        for tap in order(*o, own) {
             view.breakpoints.push(o.map_or(f32::INFINITY, |o| o.breakpoints[tap]));
             view.codes.push(codes(observer, *o, tap));
         }
+        // A filter leaves out taps that weigh nothing: here they are right at every bias.
+        let missing = taps - own;
+        let right = if truth == Truth::Lit { f32::NEG_INFINITY } else { f32::INFINITY };
+        view.breakpoints.extend(std::iter::repeat_n(right, missing));
+        view.codes.extend(std::iter::repeat_n(codes(observer, *o, centre(*o)), missing));
     }
     view.detail.every = width.max(height).div_ceil(DETAIL_SIDE);
     let every = view.detail.every;
@@ -107,10 +121,15 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
     view
 }
 
-/// The centre tap first: it decides where it is wrong.
+/// The `taps` taps of a receiver, the centre tap first: it decides where it is wrong.
 fn order(o: Option<&Observation>, taps: usize) -> impl Iterator<Item = usize> {
-    let centre = o.map_or(0, |o| o.taps.centre());
-    std::iter::once(centre).chain((0..taps).filter(move |tap| *tap != centre))
+    let centre = centre(o);
+    let centre_first = (taps > 0).then_some(centre).into_iter();
+    centre_first.chain((0..taps).filter(move |tap| *tap != centre))
+}
+
+fn centre(o: Option<&Observation>) -> usize {
+    o.map_or(0, |o| o.taps.centre())
 }
 
 fn truth(o: Option<&Observation>) -> Truth {

@@ -13,6 +13,7 @@ type Channel<'a> = (&'a str, Box<dyn Fn(&Observation) -> f32 + 'a>);
 /// Preview, depths, margin, signed error, class, cause, truth, position, id.
 /// Background pixels are NaN (preview: 0).
 pub(super) fn layers(
+    id: &str,
     observer: &Observer<'_>,
     observations: &[Observation],
     step: u32,
@@ -20,7 +21,7 @@ pub(super) fn layers(
 ) -> ExrImage {
     let [width, height] = observer.case().canvas.map(|side| side.div_ceil(step) as usize);
     let mut image = ExrImage {
-        id: format!("{}-receivers", observer.case().name),
+        id: format!("{id}-receivers"),
         width,
         height,
         channels: Vec::new(),

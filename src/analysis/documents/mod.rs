@@ -16,8 +16,9 @@ use super::captured::Captured;
 use super::curve::Curve;
 use super::effort::{self, Effort};
 use super::measure::{Measured, measure_by, measure_captured};
-use super::measurement::Measurement;
+use super::measurement::{Measurement, share};
 use crate::device::DeviceProfile;
+use crate::report::slug::slugs;
 use crate::report::{Finding, Profile, Report, Section};
 use crate::scene::{Case, Cull, Filter, cases};
 use rayon::prelude::*;
@@ -121,6 +122,39 @@ fn variants(case: &Case) -> Vec<Case> {
     changed.collect()
 }
 
+/// Ids of the page beside those of cases and claims.
+const OWN: [&str; 9] = [
+    "overview",
+    "windows",
+    "cases",
+    "cases-bias",
+    "findings",
+    "this-gpu",
+    "gpu",
+    "method",
+    "about-run",
+];
+/// What the page appends to the id of a case.
+const PARTS: [&str; 10] = [
+    "classes",
+    "shaded",
+    "map",
+    "explorer",
+    "curve",
+    "formats",
+    "numbers",
+    "causes",
+    "receivers",
+    "work",
+];
+
+/// The ids of cases on the page, in their order.
+fn ids(cases: &[Case]) -> Vec<String> {
+    let claims = findings::CLAIMS.iter().map(|claim| claim.id);
+    let own: Vec<&str> = OWN.into_iter().chain(["main"]).chain(claims).collect();
+    slugs(cases.iter().map(|case| case.name.as_str()), &own, &PARTS)
+}
+
 /// Measures and builds the report. `progress` is called once for each finished case.
 ///
 /// # Errors
@@ -128,7 +162,8 @@ fn variants(case: &Case) -> Vec<Case> {
 pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Report> {
     let cases = options.cases()?;
     let step = options.step();
-    let page = |case: &Case| {
+    let ids = ids(&cases);
+    let page = |(case, id): (&Case, &String)| {
         let variants = variants(case);
         let (measured, compared) = rayon::join(
             || measured(case, options),
@@ -137,9 +172,9 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
                 variants.par_iter().map(variant).collect::<Vec<_>>()
             },
         );
-        let mut sections = vec![case_page::section(&measured, &compared, step)];
+        let mut sections = vec![case_page::section(id, &measured, &compared, step)];
         if !matches!(options.which, Which::All) {
-            sections.push(work(&measured));
+            sections.push(work(id, &measured));
         }
         progress();
         Page {
@@ -150,8 +185,10 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
         }
     };
     let device = options.device.unwrap_or(DeviceProfile::WebglSwiftshader).device();
-    let (pages, probes) =
-        rayon::join(|| cases.par_iter().map(page).collect::<Vec<_>>(), || probes::probes(&device));
+    let (pages, probes) = rayon::join(
+        || cases.par_iter().zip(&ids).map(page).collect::<Vec<_>>(),
+        || probes::probes(&device),
+    );
     let measurements: Vec<_> = pages.iter().map(|page| &page.measurement).collect();
     let compared: Vec<_> = pages.iter().flat_map(|page| &page.compared).collect();
     let mut results = json!({
@@ -164,7 +201,7 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> crate::Result<Re
     });
     let findings = findings::evaluate(&findings::by_name(&results));
     results["findings"] = findings.iter().map(finding_json).collect();
-    Ok(assemble(options, pages, findings, results))
+    Ok(assemble(options, &ids, pages, findings, results))
 }
 
 /// A case's part of the report.
@@ -173,14 +210,14 @@ struct Page {
     compared: Vec<Measurement>,
     sections: Vec<Section>,
     /// Share of wrong receivers at the biases of [`overview::columns`].
-    wrong: Vec<f64>,
+    wrong: Vec<Option<f64>>,
 }
 
-fn wrong_shares(curve: &Curve) -> Vec<f64> {
-    let receivers = curve.populations().iter().sum::<u64>().max(1) as f64;
+fn wrong_shares(curve: &Curve) -> Vec<Option<f64>> {
+    let receivers = curve.populations().iter().sum();
     let at = |(_, bias): (usize, f32)| {
         let errors = curve.at(bias);
-        (errors.false_shadow + errors.false_light) as f64 / receivers
+        share(errors.false_shadow + errors.false_light, receivers)
     };
     overview::columns().into_iter().map(at).collect()
 }
@@ -193,8 +230,8 @@ fn measured<'c>(case: &'c Case, options: &Options) -> Measured<'c> {
 }
 
 /// What the skips saved on one case.
-fn work(measured: &Measured<'_>) -> Section {
-    let id = format!("{}-work", measured.measurement.name);
+fn work(case: &str, measured: &Measured<'_>) -> Section {
+    let id = format!("{case}-work");
     let mut section = Section::new(
         id.clone(),
         "Work done and left out",
@@ -214,7 +251,13 @@ fn finding_json(finding: &Finding) -> Value {
     })
 }
 
-fn assemble(options: &Options, pages: Vec<Page>, findings: Vec<Finding>, results: Value) -> Report {
+fn assemble(
+    options: &Options,
+    ids: &[String],
+    pages: Vec<Page>,
+    findings: Vec<Finding>,
+    results: Value,
+) -> Report {
     let split = |page: Page| (page.measurement, (page.wrong, page.sections));
     let (measurements, rest): (Vec<_>, Vec<_>) = pages.into_iter().map(split).unzip();
     let (wrong, sections): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
@@ -224,6 +267,7 @@ fn assemble(options: &Options, pages: Vec<Page>, findings: Vec<Finding>, results
         question: "How much acne and peter-panning do the documents' systems have, and why?"
             .to_string(),
         lead: overview::lead(&measurements, &findings),
+        unmeasured: overview::unmeasured(&measurements),
         profile: options.profile,
         seed: options.seed,
         command: format!("gnomon-report --{}", options.profile),
@@ -238,7 +282,7 @@ fn assemble(options: &Options, pages: Vec<Page>, findings: Vec<Finding>, results
         "Each sentence follows the measured numbers: it turns over when they do.",
     );
     found.push(findings);
-    report.sections.extend([overview::section(&measurements, wrong), found]);
+    report.sections.extend([overview::section(&measurements, ids, wrong), found]);
     report.sections.extend(sections.concat());
     report.sections.push(device_panel::section());
     report.sections.push(method());

@@ -2,7 +2,7 @@
 
 use crate::analysis::formats;
 use crate::analysis::ladder::Rung;
-use crate::analysis::measurement::Measurement;
+use crate::analysis::measurement::{Measurement, half_measured};
 use crate::report::number::percent;
 use crate::report::{
     Axis, Block, Cell, Colour, Finding, HeatMap, Plot, Scale, Section, Series, Style, Table, Tile,
@@ -20,6 +20,10 @@ crate::catalogue! {
         TooLarge = "too large",
         /// Detachment comes before the end of acne: every constant bias leaves artifacts.
         NoWindow = "no window",
+        /// From the critical bias up; no shadow was seen that could come off.
+        Enough = "enough, no shadow seen",
+        /// What would decide was not seen.
+        NotMeasured = "not measured",
     }
 }
 
@@ -29,12 +33,18 @@ impl Fit {
     pub fn of(m: &Measurement) -> Self {
         let critical = m.thresholds.critical.unwrap_or(f32::NEG_INFINITY);
         let detachment = m.thresholds.detachment.unwrap_or(f32::INFINITY);
-        if critical >= detachment {
+        if m.lit + m.shadowed == 0 {
+            Self::NotMeasured
+        } else if critical >= detachment {
             Self::NoWindow
         } else if m.bias < critical {
             Self::TooSmall
         } else if m.bias >= detachment {
             Self::TooLarge
+        } else if m.lit == 0 {
+            Self::NotMeasured
+        } else if m.shadowed == 0 {
+            Self::Enough
         } else {
             Self::Inside
         }
@@ -42,10 +52,11 @@ impl Fit {
 
     const fn colour(self) -> Colour {
         match self {
-            Self::Inside => Colour::Green,
+            Self::Inside | Self::Enough => Colour::Green,
             Self::TooSmall => Colour::Vermilion,
             Self::TooLarge => Colour::Blue,
             Self::NoWindow => Colour::Purple,
+            Self::NotMeasured => Colour::Grey,
         }
     }
 }
@@ -77,7 +88,14 @@ fn main_cause(counts: [u64; 5]) -> Option<(Rung, u64)> {
 /// The verdict: which bias, what remains, which knob.
 pub(super) fn lead(measurements: &[Measurement], findings: &[Finding]) -> Vec<String> {
     let documents: Vec<_> = measurements.iter().filter(|m| m.facts.is_empty()).collect();
-    let mut lead = vec![fits(&documents)];
+    let mut lead: Vec<String> =
+        unmeasured(measurements).iter().map(|why| format!("{why}.")).collect();
+    let half = |m: &&Measurement| {
+        let missing = half_measured([m.lit, m.shadowed])?;
+        Some(format!("{}: {missing}.", m.name))
+    };
+    lead.extend(documents.iter().filter_map(half));
+    lead.push(fits(&documents));
     lead.extend(worst(&documents));
     let mut counts = [0; 5];
     for m in &documents {
@@ -103,6 +121,12 @@ pub(super) fn lead(measurements: &[Measurement], findings: &[Finding]) -> Vec<St
     lead
 }
 
+/// What nothing was measured of, and why.
+pub(super) fn unmeasured(measurements: &[Measurement]) -> Vec<String> {
+    let none = measurements.iter().filter(|m| m.lit + m.shadowed == 0);
+    none.map(|m| format!("{}: {}", m.name, m.samples.unmeasured())).collect()
+}
+
 /// One sentence: how the biases of all systems fit their scenes.
 fn fits(documents: &[&Measurement]) -> String {
     let part = |fit: &Fit| {
@@ -116,6 +140,10 @@ fn fits(documents: &[&Measurement]) -> String {
                 "useless for {}, where no constant bias is free of both acne and peter-panning",
                 named.join(", ")
             ),
+            Fit::Enough => {
+                format!("enough for {}, where no shadow was seen", named.join(", "))
+            }
+            Fit::NotMeasured => format!("not measured for {}", named.join(", ")),
         })
     };
     let parts: Vec<_> = Fit::ALL.iter().filter_map(part).collect();
@@ -125,7 +153,8 @@ fn fits(documents: &[&Measurement]) -> String {
 
 /// The largest error rates.
 fn worst(documents: &[&Measurement]) -> Option<String> {
-    let largest = |rate: fn(&Measurement) -> f64| {
+    let largest = |rate: fn(&Measurement) -> Option<f64>| {
+        let rate = |m: &Measurement| rate(m).unwrap_or(0.0);
         let found = documents.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))?;
         (rate(found) > 0.0).then(|| format!("{} ({})", percent(rate(found), 3), found.name))
     };
@@ -150,7 +179,7 @@ pub(super) fn heat_map(
     id: &str,
     title: &str,
     row_name: &str,
-    rows: Vec<(String, Vec<f64>)>,
+    rows: Vec<(String, Vec<Option<f64>>)>,
 ) -> HeatMap {
     let label = |(_, b): (usize, f32)| crate::report::number::pretty(f64::from(b), 2);
     let (names, values): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
@@ -164,7 +193,7 @@ pub(super) fn heat_map(
         column_name: "constant bias [window depth]".to_string(),
         rows: names,
         columns: columns().into_iter().map(label).collect(),
-        values: values.concat().into_iter().map(Some).collect(),
+        values: values.concat(),
         scale: Scale::SymLog { linear: 0.001 },
         unit: "%".to_string(),
         digits: 2,
@@ -172,26 +201,35 @@ pub(super) fn heat_map(
 }
 
 /// The section on top: every case at a glance.
-pub(super) fn section(measurements: &[Measurement], wrong: Vec<Vec<f64>>) -> Section {
+pub(super) fn section(
+    measurements: &[Measurement],
+    ids: &[String],
+    wrong: Vec<Vec<Option<f64>>>,
+) -> Section {
     let mut section = Section::new("overview", "All cases", "");
-    section.push(Block::Gallery(measurements.iter().map(tile).collect()));
+    section.push(Block::Gallery(measurements.iter().zip(ids).map(tile).collect()));
     section.push(windows(measurements));
     let rows = measurements.iter().map(|m| m.name.clone()).zip(wrong).collect();
     section.push(heat_map("cases-bias", "Wrong verdicts, case by bias", "case", rows));
-    section.push(table(measurements));
+    section.push(table(measurements, ids));
     section
 }
 
-fn tile(m: &Measurement) -> Tile {
+/// A rate for a tile.
+fn rate(rate: Option<f64>) -> String {
+    rate.map_or_else(|| "not measured".to_string(), |rate| percent(rate, 2))
+}
+
+fn tile((m, id): (&Measurement, &String)) -> Tile {
     Tile {
-        picture: format!("{}-classes", m.name),
-        to: format!("#{}", m.name),
+        picture: format!("{id}-classes"),
+        to: format!("#{id}"),
         title: m.name.clone(),
         text: format!(
             "{}: false shadow {}, false light {}",
             Fit::of(m),
-            percent(m.false_shadow.rate, 2),
-            percent(m.false_light.rate, 2)
+            rate(m.false_shadow.rate),
+            rate(m.false_light.rate)
         ),
     }
 }
@@ -201,15 +239,16 @@ fn windows(measurements: &[Measurement]) -> Plot {
     let lowest = |b: Option<f32>| f64::from(b.unwrap_or(0.0)).max(0.0);
     let highest = |b: Option<f32>| b.map_or(1.0, f64::from);
     let rows: Vec<_> = measurements.iter().rev().enumerate().collect();
+    let measured = rows.iter().filter(|(_, m)| Fit::of(m) != Fit::NotMeasured);
     let bars = |fits: bool| {
-        let kept = rows.iter().filter(move |(_, m)| (Fit::of(m) != Fit::NoWindow) == fits);
+        let kept = measured.clone().filter(move |(_, m)| (Fit::of(m) != Fit::NoWindow) == fits);
         let ends = |(i, m): &(usize, &Measurement)| {
             let ends = [lowest(m.thresholds.critical), highest(m.thresholds.detachment)];
             [(ends[0], *i as f64), (ends[1], *i as f64), (f64::NAN, f64::NAN)]
         };
         kept.flat_map(ends).collect()
     };
-    let own = rows.iter().map(|(i, m)| (f64::from(m.bias), *i as f64)).collect();
+    let own = measured.clone().map(|(i, m)| (f64::from(m.bias), *i as f64)).collect();
     let series =
         |name: &str, style, colour, points| Series { name: name.into(), style, colour, points };
     Plot {
@@ -231,7 +270,7 @@ fn windows(measurements: &[Measurement]) -> Plot {
 }
 
 /// What a reader asks first, case by case.
-fn table(measurements: &[Measurement]) -> Table {
+fn table(measurements: &[Measurement], ids: &[String]) -> Table {
     let mut table = Table::new("cases", "Every case at its own bias, against the ray-traced truth")
         .column("case", "", "")
         .column("own bias", "window depth", "")
@@ -241,17 +280,17 @@ fn table(measurements: &[Measurement]) -> Table {
         .column("false shadow", "", "share of the truly lit receivers")
         .column("false light", "", "share of the truly shadowed receivers")
         .column("cause", "", "rung of the ladder that causes most wrong verdicts");
-    for m in measurements {
+    for (m, id) in measurements.iter().zip(ids) {
         let depth = |b: Option<f32>| b.map_or(Cell::Missing, |b| Cell::Number(b.into(), 3));
         let fit = Fit::of(m);
         table.push(vec![
-            Cell::Link { text: m.name.clone(), to: format!("#{}", m.name) },
+            Cell::Link { text: m.name.clone(), to: format!("#{id}") },
             depth(Some(m.bias)),
             depth(m.thresholds.critical),
             depth(m.thresholds.detachment),
             Cell::Class(fit.colour(), fit.name().to_string()),
-            Cell::Percent(m.false_shadow.rate),
-            Cell::Percent(m.false_light.rate),
+            Cell::share(m.false_shadow.rate),
+            Cell::share(m.false_light.rate),
             main_cause(by_cause(m)).map_or(Cell::Missing, |(cause, _)| cause.name().into()),
         ]);
     }
@@ -282,9 +321,9 @@ pub(super) fn numbers(measurements: &[Measurement]) -> Table {
             Cell::count(m.map_size),
             Cell::Number(f64::from(m.bias), 4),
             Cell::count(m.lit),
-            Cell::Percent(m.false_shadow.rate),
+            Cell::share(m.false_shadow.rate),
             Cell::count(m.shadowed),
-            Cell::Percent(m.false_light.rate),
+            Cell::share(m.false_light.rate),
             Cell::count(m.samples.ambiguous),
             depth(m.thresholds.critical),
             depth(m.thresholds.detachment),

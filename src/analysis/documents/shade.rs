@@ -35,6 +35,7 @@ fn picture(
 
 /// Each receiver in the colour of its class.
 pub(super) fn classified(
+    id: &str,
     observer: &Observer<'_>,
     observations: &[Observation],
     step: u32,
@@ -52,7 +53,7 @@ pub(super) fn classified(
     let faults = Artifact::ALL.iter().filter(present);
     legend.extend(faults.map(|a| (a.colour(), a.name().replace('-', " "))));
     Picture {
-        id: format!("{name}-classes"),
+        id: format!("{id}-classes"),
         caption: "What the map says against the truth".to_string(),
         alt: format!("{name}: every receiver coloured by its artifact"),
         legend,
@@ -71,11 +72,16 @@ fn class(o: &Observation) -> Colour {
 }
 
 /// Each receiver shaded as the document writes it, with the subject's own visibility.
-pub(super) fn shaded(observer: &Observer<'_>, observations: &[Observation], step: u32) -> Picture {
+pub(super) fn shaded(
+    id: &str,
+    observer: &Observer<'_>,
+    observations: &[Observation],
+    step: u32,
+) -> Picture {
     let name = &observer.case().name;
     let colour = |o: &Observation| shade(observer, o);
     Picture {
-        id: format!("{name}-shaded"),
+        id: format!("{id}-shaded"),
         caption: format!("Shaded by the document's formula ({})", observer.case().shading),
         alt: format!("{name}: the picture that the document's program draws"),
         ..picture(observer, observations, step, [0; 3], colour)
@@ -130,7 +136,7 @@ fn highlight(observer: &Observer<'_>, o: &Observation) -> f64 {
 }
 
 /// The stored depths, stretched over the range that was drawn; cleared texels black.
-pub(super) fn map(observer: &Observer<'_>) -> Picture {
+pub(super) fn map(id: &str, observer: &Observer<'_>) -> Picture {
     let map = &observer.subject.map;
     let raster = &observer.subject.map_raster;
     let stride = map.size().div_ceil(MAP_SIDE);
@@ -153,17 +159,20 @@ pub(super) fn map(observer: &Observer<'_>) -> Picture {
     let rows = (0..side).rev();
     let rgb = rows.flat_map(|y| (0..side).flat_map(move |x| grey(texel(x, y)))).collect();
     Picture {
-        id: format!("{}-map", observer.case().name),
-        caption: format!(
-            "Shadow map as decoded: {} (dark) to {} (light) window depth{}",
-            pretty(f64::from(near), 4),
-            pretty(f64::from(far), 4),
-            if stride > 1 {
-                format!(", one texel in {stride} across and down")
-            } else {
-                String::new()
-            }
-        ),
+        id: format!("{id}-map"),
+        caption: match near <= far {
+            true => format!(
+                "Shadow map as decoded: {} (dark) to {} (light) window depth{}",
+                pretty(f64::from(near), 4),
+                pretty(f64::from(far), 4),
+                if stride > 1 {
+                    format!(", one texel in {stride} across and down")
+                } else {
+                    String::new()
+                }
+            ),
+            false => "Shadow map: no texel that is shown was drawn".to_string(),
+        },
         alt: format!("{}: the shadow map", observer.case().name),
         width: side,
         height: side,

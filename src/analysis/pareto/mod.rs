@@ -23,10 +23,10 @@ use serde::Serialize;
 /// What is left wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Errors {
-    /// Share of their light that the truly lit lose: mean of 1 − v.
-    pub false_shadow: f64,
-    /// Share of light that the truly shadowed get: mean of v.
-    pub false_light: f64,
+    /// Share of their light that the truly lit lose: mean of 1 − v; `None` where there are none.
+    pub false_shadow: Option<f64>,
+    /// Share of light that the truly shadowed get: mean of v; `None` where there are none.
+    pub false_light: Option<f64>,
     /// Longest way that a peter-panned receiver lies inside its true shadow, world units.
     pub peter_panning: f64,
 }
@@ -48,8 +48,8 @@ pub struct Entry {
     pub amount: f32,
     /// The parameter's unit.
     pub unit: &'static str,
-    /// Whether acne is within the limit.
-    pub acne_free: bool,
+    /// Whether acne is within the limit; `None` where nothing is truly lit.
+    pub acne_free: Option<bool>,
     /// What it costs.
     #[serde(flatten)]
     pub cost: Cost,
@@ -61,9 +61,13 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// `None` where nothing was measured.
     fn new(case: &str, swept: &Swept) -> Option<Self> {
+        if swept.populations == [0, 0] {
+            return None;
+        }
         let point = swept.acne_free.as_ref().or_else(|| swept.least())?;
-        let share = |wrong: i64, of: u64| wrong as f64 / SHARE / of.max(1) as f64;
+        let share = |wrong: i64, of: u64| (of > 0).then(|| wrong as f64 / SHARE / of as f64);
         Some(Self {
             case: case.to_string(),
             format: swept.format.name(),
@@ -72,7 +76,7 @@ impl Entry {
             strategy: swept.strategy.name(),
             amount: point.amount,
             unit: swept.strategy.unit(),
-            acne_free: swept.acne_free.is_some(),
+            acne_free: (swept.populations[0] > 0).then_some(swept.acne_free.is_some()),
             cost: Cost::of(swept.format, swept.size, swept.filter, swept.strategy),
             errors: Errors {
                 false_shadow: share(point.tally.shadow, swept.populations[0]),
@@ -93,13 +97,15 @@ impl Entry {
         let costs =
             [map_bytes as f64, f64::from(passes), f64::from(fetches), f64::from(operations)];
         let [bytes, passes, fetches, operations] = costs;
+        let [false_shadow, false_light] =
+            [false_shadow, false_light].map(Option::unwrap_or_default);
         [bytes, passes, fetches, operations, false_shadow, false_light, peter_panning]
     }
 
-    /// Both kinds together.
+    /// Both kinds together, as far as they are measured.
     #[must_use]
     pub fn wrong(&self) -> f64 {
-        self.errors.false_shadow + self.errors.false_light
+        self.errors.false_shadow.unwrap_or(0.0) + self.errors.false_light.unwrap_or(0.0)
     }
 }
 

@@ -2,14 +2,21 @@
 
 use super::algorithms::Way;
 use super::{Entry, STRATEGIES};
+use crate::analysis::measure::unmeasured;
 use crate::analysis::sweep::Plan;
 use crate::report::number::percent;
+use crate::report::slug::slugs;
 use crate::report::{
     Axis, Block, Cell, Colour, Plot, Profile, Report, Scale, Section, Series, Style, Table,
 };
 use crate::shadow::bias::Strategy;
 use serde_json::json;
 use std::collections::BTreeMap;
+
+/// Ids of the page beside those of cases.
+const OWN: [&str; 4] = ["method", "strategy-operations", "main", "about-run"];
+/// What the page appends to the id of a case.
+const PARTS: [&str; 5] = ["bytes", "operations", "front", "algorithms", "ways"];
 
 /// The report of a plan's entries and of the toolkit's own ways on one case.
 #[must_use]
@@ -21,14 +28,17 @@ pub fn report(
     seed: u64,
 ) -> Report {
     let mut sections = Vec::new();
-    for case in &plan.cases {
+    let ids = slugs(plan.cases.iter().map(|case| case.name.as_str()), &OWN, &PARTS);
+    for (case, id) in plan.cases.iter().zip(&ids) {
         let own: Vec<&Entry> = entries.iter().filter(|e| e.case == case.name).collect();
-        sections.push(front(&case.name, &own));
+        sections.push(front(id, &case.name, &own));
     }
-    for (case, ways) in ways {
-        sections.push(algorithms(case, ways));
+    for ((case, ways), id) in ways.iter().zip(&ids) {
+        sections.push(algorithms(id, case, ways));
     }
     sections.push(method());
+    let none = plan.cases.iter().filter(|case| entries.iter().all(|e| e.case != case.name));
+    let unmeasured: Vec<String> = none.map(|case| unmeasured(case, plan.step)).collect();
     let names: Vec<&str> = plan.cases.iter().map(|c| c.name.as_str()).collect();
     let ways_json: Vec<_> =
         ways.iter().map(|(case, ways)| json!({ "case": case, "ways": ways })).collect();
@@ -36,7 +46,12 @@ pub fn report(
         name: "pareto".into(),
         title: "Run time against error".into(),
         question: "Which format, map size, filter and bias are worth their cost?".into(),
-        lead: lead(plan, entries, ways),
+        lead: unmeasured
+            .iter()
+            .map(|why| format!("{why}."))
+            .chain(lead(plan, entries, ways))
+            .collect(),
+        unmeasured,
         profile,
         seed,
         parameters: BTreeMap::from([
@@ -92,23 +107,29 @@ fn words(e: &Entry) -> String {
 }
 
 /// One case: the plots and the members of its front.
-fn front(case: &str, own: &[&Entry]) -> Section {
+fn front(id: &str, case: &str, own: &[&Entry]) -> Section {
     let lead = "Each point is one combination at the smallest bias that ends its acne.";
-    let mut section = Section::new(case, case, lead);
+    let mut section = Section::new(id, case, lead);
     let bytes = |e: &Entry| e.cost.map_bytes as f64;
     let operations = |e: &Entry| f64::from(e.cost.operations);
     section.push(Block::Row(vec![
-        plot(case, "bytes", "bytes of the map", own, bytes).into(),
-        plot(case, "operations", "operations a look-up", own, operations).into(),
+        plot([id, case], "bytes", "bytes of the map", own, bytes).into(),
+        plot([id, case], "operations", "operations a look-up", own, operations).into(),
     ]));
     let caption = "The front: nothing is at most as costly and as wrong in everything, and better in something";
     let members = own.iter().copied().filter(|e| e.front);
-    section.push(table(&format!("{case}-front"), caption, members));
+    section.push(table(&format!("{id}-front"), caption, members));
     section
 }
 
 /// Wrong visibility over one cost, a colour for each strategy, and the least wrong up to each cost.
-fn plot(case: &str, id: &str, label: &str, own: &[&Entry], cost: impl Fn(&Entry) -> f64) -> Plot {
+fn plot(
+    [id, case]: [&str; 2],
+    part: &str,
+    label: &str,
+    own: &[&Entry],
+    cost: impl Fn(&Entry) -> f64,
+) -> Plot {
     let place = |e: &&Entry| (cost(e), 100.0 * e.wrong());
     let mut names: Vec<&str> = own.iter().map(|e| e.strategy).collect();
     names.sort_by_key(|name| STRATEGIES.iter().position(|s| s.name() == *name));
@@ -128,7 +149,7 @@ fn plot(case: &str, id: &str, label: &str, own: &[&Entry], cost: impl Fn(&Entry)
     };
     all.insert(0, least);
     Plot {
-        id: format!("{case}-{id}"),
+        id: format!("{id}-{part}"),
         title: format!("{case}: wrong visibility over {label}"),
         caption: format!(
             "Points low and on the left are good; the line is the front over {label} alone."
@@ -184,13 +205,13 @@ fn table<'e>(id: &str, caption: &str, entries: impl Iterator<Item = &'e Entry>) 
             e.filter.into(),
             e.strategy.into(),
             Cell::Number(f64::from(e.amount), 3),
-            yes(e.acne_free),
+            e.acne_free.map_or(Cell::Missing, yes),
             Cell::count(e.cost.map_bytes),
             Cell::count(e.cost.passes),
             Cell::count(e.cost.fetches),
             Cell::count(e.cost.operations),
-            Cell::Percent(e.errors.false_shadow),
-            Cell::Percent(e.errors.false_light),
+            Cell::share(e.errors.false_shadow),
+            Cell::share(e.errors.false_light),
             Cell::Number(e.errors.peter_panning, 3),
             yes(e.front),
         ]);
@@ -199,8 +220,8 @@ fn table<'e>(id: &str, caption: &str, entries: impl Iterator<Item = &'e Entry>) 
 }
 
 /// The toolkit's own algorithms on one case.
-fn algorithms(case: &str, ways: &[Way]) -> Section {
-    let mut table = Table::new(format!("{case}-algorithms"), "Ways to the same answers")
+fn algorithms(id: &str, case: &str, ways: &[Way]) -> Section {
+    let mut table = Table::new(format!("{id}-algorithms"), "Ways to the same answers")
         .column("job", "", "")
         .column("way", "", "")
         .column("answered", "", "answers given: receivers, pairs of caster and receiver, or floats")
@@ -220,7 +241,7 @@ fn algorithms(case: &str, ways: &[Way]) -> Section {
     let title = format!("The toolkit's own algorithms, on {case}");
     let lead =
         "What each works out, and what it gets wrong against its arbiter; --times adds seconds.";
-    let mut section = Section::new(format!("{case}-ways"), title, lead);
+    let mut section = Section::new(format!("{id}-ways"), title, lead);
     section.push(table);
     section
 }

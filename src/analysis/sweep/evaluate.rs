@@ -33,7 +33,8 @@ pub struct Swept {
     pub size: u32,
     /// Counts at the asked amounts.
     pub points: Vec<Point>,
-    /// The smallest amount from which acne stays within the limit.
+    /// The smallest amount from which acne stays within the limit; `None` where nothing is truly lit,
+    /// since then acne is not measured.
     pub acne_free: Option<Point>,
     /// Largest breakpoint of truly lit receivers that see their own surface alone (tap families).
     pub critical: Option<f32>,
@@ -44,6 +45,21 @@ pub struct Swept {
 }
 
 impl Swept {
+    /// The point that says what is left wrong: where acne ends, or, where nothing is lit and acne is not
+    /// measured, the smallest amount that was asked for.
+    #[must_use]
+    pub fn told(&self) -> Option<&Point> {
+        let unlit = (self.populations[0] == 0).then(|| self.points.first()).flatten();
+        self.acne_free.as_ref().or(unlit)
+    }
+
+    /// The share of a count among the truly lit (0) or the truly shadowed (1); `None` where there are none.
+    #[must_use]
+    pub fn share(&self, count: i64, side: usize) -> Option<f64> {
+        let all = self.populations[side];
+        (all > 0).then(|| count as f64 / all as f64)
+    }
+
     /// detachment − the acne-free amount: positive if an amount is free of both.
     #[must_use]
     pub fn headroom(&self) -> Option<f64> {
@@ -104,7 +120,7 @@ pub fn sweep_formats(
         populations,
     };
     let bases: Vec<Swept> = formats.iter().map(base).collect();
-    match strategy.family() {
+    let mut swept: Vec<Swept> = match strategy.family() {
         Family::Tap => {
             bases.into_par_iter().map(|s| by_breakpoints(chart, s, amounts, limit)).collect()
         }
@@ -113,7 +129,11 @@ pub fn sweep_formats(
             bases.into_par_iter().flat_map(one).collect()
         }
         _ => values::by_values(chart, bases, amounts, limit),
+    };
+    if populations[0] == 0 {
+        swept.iter_mut().for_each(|s| s.acne_free = None);
     }
+    swept
 }
 
 fn by_breakpoints(chart: &Chart<'_, '_>, mut swept: Swept, amounts: &[f32], limit: i64) -> Swept {

@@ -66,7 +66,7 @@ pub fn key(case: &str, s: &Swept) -> String {
     format!("{case} {} {} {} {}", s.size, s.format.name(), s.filter, s.strategy)
 }
 
-/// Combinations that fail, one sentence each.
+/// Combinations that fail, one sentence each; one whose own rate is not measured fails.
 #[must_use]
 pub fn failures(sweeps: &[CaseSweep], limits: &Limits) -> Vec<String> {
     if limits.acne.is_none() && limits.peter_panning.is_none() {
@@ -80,7 +80,17 @@ pub fn failures(sweeps: &[CaseSweep], limits: &Limits) -> Vec<String> {
 }
 
 fn failure(case: &CaseSweep, s: &Swept, limits: &Limits) -> Option<String> {
-    let lit = s.populations[0].max(1) as f64;
+    let name = key(&case.name, s);
+    let [lit, shadowed] = s.populations;
+    if limits.acne.is_some() && lit == 0 {
+        return Some(format!("{name}: acne is not measured, no receiver is truly lit"));
+    }
+    if limits.peter_panning.is_some() && shadowed == 0 {
+        return Some(format!(
+            "{name}: peter-panning is not measured, no receiver is truly shadowed"
+        ));
+    }
+    let lit = lit.max(1) as f64;
     let rate = |p: &Point| p.tally.of(super::tally::Kind::Acne) as f64 / lit;
     let texel = case.texel_world * f64::from(case.own_size) / f64::from(s.size);
     let longest = limits.peter_panning.map_or(f64::INFINITY, |length| match length {
@@ -93,7 +103,6 @@ fn failure(case: &CaseSweep, s: &Swept, limits: &Limits) -> Option<String> {
         return None;
     }
     let best = all().min_by(|a, b| rate(a).total_cmp(&rate(b)))?;
-    let name = key(&case.name, s);
     Some(if rate(best) > acne {
         format!("{name}: at best {:.3} % acne, at {:.4e}", 100.0 * rate(best), best.amount)
     } else {
@@ -143,6 +152,10 @@ pub fn compare(baseline: &Value, sweeps: &[CaseSweep]) -> Result<Comparison> {
             continue;
         };
         seen += 1;
+        if s.populations == [0, 0] {
+            comparison.worse.push(format!("{name}: no receiver is measured now"));
+            continue;
+        }
         let (was, is) = (cost(before), cost(&super::report::combination(s)));
         match is.partial_cmp(&was) {
             Some(std::cmp::Ordering::Equal) => comparison.same += 1,

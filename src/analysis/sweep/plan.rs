@@ -4,6 +4,7 @@ use crate::depth::{DepthFormat, Packing};
 use crate::scene::{Case, Filter, TexelFormat, cases};
 use crate::shadow::bias::Strategy;
 use crate::{Error, Result};
+use std::collections::BTreeSet;
 
 /// The axes of a sweep.
 #[derive(Clone, Debug)]
@@ -74,7 +75,7 @@ impl std::str::FromStr for Range {
             let fix = "write lo:hi:log:n or lo:hi:lin:n, such as 1e-7:1e-2:log:200, or one value";
             Err(Error::bad_input(format!("--bias '{text}'"), reason, fix))
         };
-        let number = |t: &str| t.parse::<f64>().ok().filter(|x| x.is_finite());
+        let number = |t: &str| t.parse::<f64>().ok().filter(|x| x.is_finite()).map(|x| x + 0.0);
         let parts: Vec<&str> = text.split(':').collect();
         let (low, high, log, count) = match parts.as_slice() {
             [one] => match number(one) {
@@ -134,7 +135,7 @@ pub fn filter_named(name: &str) -> Result<Option<Filter>> {
     if name == "own" { Ok(None) } else { name.parse().map(Some) }
 }
 
-/// Cases by name; `documents` and `all` stand for lists.
+/// Cases by name, each once; `documents` and `all` stand for lists.
 ///
 /// # Errors
 /// [`Error::BadInput`] listing the names.
@@ -144,7 +145,10 @@ pub fn cases_named(names: &[String]) -> Result<Vec<Case>> {
         "all" => Ok(cases::all()),
         name => cases::named(name).map(|case| vec![case]),
     };
-    Ok(names.iter().map(one).collect::<Result<Vec<_>>>()?.concat())
+    let mut cases = names.iter().map(one).collect::<Result<Vec<_>>>()?.concat();
+    let mut seen = BTreeSet::new();
+    cases.retain(|case| seen.insert(case.name.clone()));
+    Ok(cases)
 }
 
 impl Plan {

@@ -24,9 +24,12 @@ pub(in crate::analysis) fn thinned(points: impl Iterator<Item = (f64, f64)>) -> 
 }
 
 /// Rates at every amount, and those that no other amount of any strategy beats on both.
-/// `None` where one amount of one strategy beats all others on both axes: there is nothing to trade.
+/// `None` where one side is not measured, and where one amount of one strategy beats all others on both axes: there is nothing to trade.
 pub(super) fn trade_off(case: &CaseSweep, id: &str) -> Option<Plot> {
     let list = own(case);
+    if list.iter().any(|s| s.populations.contains(&0)) {
+        return None;
+    }
     let rate = |s: &Swept, p: &Point| {
         let share = |n: i64, of: u64| 100.0 * n as f64 / of.max(1) as f64;
         (
@@ -96,7 +99,7 @@ pub(super) fn curves(case: &CaseSweep, id: &str) -> Option<Plot> {
     if s.strategy == Strategy::Constant {
         mark(Some(f64::from(case.own_bias)), "its own bias", Colour::Ink);
         mark(case.known_critical, "closed form b*", Colour::Green);
-        if s.filter == Filter::Nearest && s.size == case.own_size {
+        if s.filter == Filter::Nearest && s.size == case.own_size && lit > 0 {
             let points = case.theory.iter().map(|&(b, share)| (f64::from(b), 100.0 * share));
             predicted.push(Series {
                 name: "acne, closed form".into(),
@@ -112,12 +115,16 @@ pub(super) fn curves(case: &CaseSweep, id: &str) -> Option<Plot> {
         caption: "Every value follows from one pass: acne falls and lost shadow grows with the bias; edge aliasing stays. Dashed: each receiver's own plane under NEAREST without quantization.".into(),
         x: Axis::log(format!("amount [{}]", s.strategy.unit())),
         y: Axis { label: "wrong receivers [%]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
-        series: vec![
+        series: [
             line("false shadow", Colour::Vermilion, Style::Steps, &|p| share(p.tally.false_shadow(), lit)),
             line("of it acne", Colour::Orange, Style::Steps, &|p| share(p.tally.of(Kind::Acne), lit)),
             line("false light", Colour::Blue, Style::Steps, &|p| share(p.tally.false_light(), shadowed)),
             line("of it peter-panning", Colour::Sky, Style::Steps, &|p| share(p.tally.of(Kind::PeterPanning), shadowed)),
-        ],
+        ]
+        .into_iter()
+        .zip([lit, lit, shadowed, shadowed])
+        .filter_map(|(line, population)| (population > 0).then_some(line))
+        .collect(),
         markers,
     };
     plot.series.extend(predicted);
@@ -140,7 +147,7 @@ pub(super) fn heat_map(case: &CaseSweep, id: &str) -> HeatMap {
     }
     let value = |row: &str, column: &str| {
         let s = at_size.iter().find(|s| s.strategy.name() == row && s.format.name() == column)?;
-        Some(s.acne_free?.tally.false_light() as f64 / s.populations[1].max(1) as f64)
+        s.share(s.acne_free?.tally.false_light(), 1)
     };
     HeatMap {
         id: id.to_string(),

@@ -4,6 +4,9 @@ use super::pictures::Gallery;
 use super::plots::{curves, heat_map, trade_off};
 use super::tally::Kind;
 use super::{CaseSweep, Field, Plan, Point, Swept, gate, verdicts};
+use crate::analysis::measure::unmeasured;
+use crate::analysis::measurement::half_measured;
+use crate::report::slug::slugs;
 use crate::report::{Block, Cell, Profile, Report, Section, Table};
 use crate::scene::Case;
 use crate::shadow::bias::Strategy;
@@ -27,7 +30,8 @@ pub fn combination(s: &Swept) -> Value {
     put("acne_free", s.acne_free.map(|p| short(p.amount)));
     put("wrong_at_acne_free", s.acne_free.as_ref().map(|p| wrong(p).into()));
     put("contact_gap_world", s.acne_free.filter(|p| p.gap > 0.0).map(|p| short(p.gap as f32)));
-    put("least_wrong", s.least().map(|p| wrong(p).into()));
+    let measured = s.populations != [0, 0];
+    put("least_wrong", s.least().filter(|_| measured).map(|p| wrong(p).into()));
     put("detachment", s.detachment.filter(|b| b.is_finite()).map(short));
     Value::Object(entry)
 }
@@ -59,9 +63,20 @@ pub(super) fn own(case: &CaseSweep) -> Vec<&Swept> {
 }
 
 /// Sentences on top: who wins, where nothing works.
-fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
+fn lead(sweeps: &[CaseSweep], unmeasured: &[String]) -> Vec<String> {
+    let mut lead: Vec<String> = unmeasured.iter().map(|why| format!("{why}.")).collect();
+    let half = |case: &CaseSweep| {
+        let missing = half_measured(case.swept.first()?.populations)?;
+        Some(format!("{}: {missing}.", case.name))
+    };
+    lead.extend(sweeps.iter().filter_map(half));
+    let lit = |case: &&CaseSweep| case.swept.first().is_some_and(|s| s.populations[0] > 0);
+    let sweeps: Vec<&CaseSweep> = sweeps.iter().filter(lit).collect();
+    if sweeps.is_empty() {
+        return lead;
+    }
     let mut wins: BTreeMap<Strategy, usize> = BTreeMap::new();
-    for case in sweeps {
+    for case in &sweeps {
         if let Some(best) = winner(&own(case)) {
             *wins.entry(best.strategy).or_default() += 1;
         }
@@ -71,7 +86,7 @@ fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
     let named: Vec<String> = ranked.iter().map(|(s, n)| format!("{s} ({n})")).collect();
     let total: usize = sweeps.iter().map(|c| c.swept.len()).sum();
     let infeasible = sweeps.iter().flat_map(|c| &c.swept).filter(|s| s.acne_free.is_none()).count();
-    vec![
+    lead.extend([
         format!(
             "At each case's own map and format, the strategy that ends acne and leaves least wrong: {}.",
             if named.is_empty() { "none".to_string() } else { named.join(", ") }
@@ -79,7 +94,8 @@ fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
         format!(
             "{infeasible} of {total} combinations have no amount in the swept range that ends acne."
         ),
-    ]
+    ]);
+    lead
 }
 
 /// More combinations than this are shown at each case's own map and format only.
@@ -123,8 +139,8 @@ fn table(id: &str, sweeps: &[CaseSweep], all: usize) -> Table {
 }
 
 fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
-    let share = |n: i64, of: u64| Cell::Percent(n as f64 / of.max(1) as f64);
-    let at = s.acne_free.as_ref();
+    let at = s.told();
+    let gap = at.filter(|_| s.populations[1] > 0).map(|p| p.gap);
     let texel = case.texel_world * f64::from(case.own_size) / f64::from(s.size);
     vec![
         Cell::from(case.name.as_str()),
@@ -132,11 +148,11 @@ fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
         Cell::from(s.format.name()),
         Cell::from(s.filter.name()),
         Cell::from(s.strategy.name()),
-        Cell::number(at.map(|p| f64::from(p.amount))),
+        Cell::number(s.acne_free.map(|p| f64::from(p.amount))),
         Cell::from(s.strategy.unit()),
-        at.map_or(Cell::Missing, |p| share(p.tally.false_shadow(), s.populations[0])),
-        at.map_or(Cell::Missing, |p| share(p.tally.false_light(), s.populations[1])),
-        Cell::number(at.map(|p| p.gap / texel)),
+        Cell::share(at.and_then(|p| s.share(p.tally.false_shadow(), 0))),
+        Cell::share(at.and_then(|p| s.share(p.tally.false_light(), 1))),
+        Cell::number(gap.map(|gap| gap / texel)),
         Cell::number(s.detachment.map(f64::from).filter(|b| b.is_finite())),
         Cell::from(if best { "wins" } else { "" }),
     ]
@@ -153,20 +169,42 @@ fn brief(mut table: Table) -> Table {
     table
 }
 
+/// The amounts that pictures show.
+const AMOUNTS: [&str; 5] = ["no bias", "a quarter", "acne ends", "its own bias", "four times"];
+/// What the page appends to the id of a case.
+const PARTS: [&str; 9] = [
+    "strategies",
+    "formats",
+    "curve",
+    "trade-off",
+    "no-bias",
+    "a-quarter",
+    "acne-ends",
+    "its-own-bias",
+    "four-times",
+];
+/// Ids of the page beside those of cases.
+const OWN: [&str; 4] = ["overview", "verdicts", "main", "about-run"];
+
 /// Pictures of the own configuration along the bias axis: nothing, below, at and above the threshold.
 ///
 /// One EXR at the case's own bias; for a list of at most two cases one of every picture.
-fn multiples(case: &Case, sweep: &CaseSweep, step: u32, few: bool) -> Option<Vec<Block>> {
+fn multiples(
+    part: &str,
+    case: &Case,
+    sweep: &CaseSweep,
+    step: u32,
+    few: bool,
+) -> Option<Vec<Block>> {
     let list = own(sweep);
     let s = list.iter().find(|s| s.strategy == Strategy::Constant)?;
     let field = Field::new(case, step);
     let gallery = Gallery::new(&field, s.format, step);
     let ends = s.acne_free.map_or(case.bias, |p| p.amount);
     let amounts = [0.0, ends / 4.0, ends, case.bias, case.bias.max(ends) * 4.0];
-    let labels = ["no bias", "a quarter", "acne ends", "its own bias", "four times"];
     let picture = |(i, amount): (usize, f32)| {
-        let caption = format!("{}: {amount:.3e}", labels[i]);
-        let id = format!("{}-{}", case.name, labels[i].replace(' ', "-"));
+        let caption = format!("{}: {amount:.3e}", AMOUNTS[i]);
+        let id = format!("{part}-{}", AMOUNTS[i].replace(' ', "-"));
         let mut picture = gallery.picture(&id, Strategy::Constant, amount, caption);
         if i == 0 {
             picture.legend = Gallery::legend();
@@ -175,7 +213,7 @@ fn multiples(case: &Case, sweep: &CaseSweep, step: u32, few: bool) -> Option<Vec
     };
     let mut blocks = vec![Block::Row(amounts.into_iter().enumerate().map(picture).collect())];
     let exr = |(i, amount): (usize, f32)| {
-        let id = format!("{}-{}-layers", case.name, labels[i].replace(' ', "-"));
+        let id = format!("{part}-{}-layers", AMOUNTS[i].replace(' ', "-"));
         Block::Exr(gallery.exr(&id, Strategy::Constant, amount))
     };
     let chosen = amounts.into_iter().enumerate().filter(|&(i, _)| few || i == 3);
@@ -198,6 +236,7 @@ pub fn report(
     command: String,
 ) -> Report {
     let all: usize = sweeps.iter().map(|c| c.swept.len()).sum();
+    let unmeasured = unmeasured_cases(plan, sweeps);
     let mut overview = Section::new(
         "overview",
         "Which strategy wins",
@@ -205,21 +244,20 @@ pub fn report(
     );
     overview.push(verdicts::table(sweeps));
     let mut sections = vec![overview];
-    for (i, (case, sweep)) in plan.cases.iter().zip(sweeps).enumerate() {
+    let ids = slugs(plan.cases.iter().map(|case| case.name.as_str()), &OWN, &PARTS);
+    for (i, ((case, sweep), id)) in plan.cases.iter().zip(sweeps).zip(&ids).enumerate() {
         let name = &case.name;
-        let best = winner(&own(sweep)).map_or_else(
-            || "No strategy ends acne within the swept range.".to_string(),
-            |s| verdicts::sentence(sweep, s),
-        );
-        let mut section = Section::new(name.clone(), name.clone(), best);
-        section.push(brief(table(&format!("{name}-strategies"), slice::from_ref(sweep), all)));
-        section.push(heat_map(sweep, &format!("{name}-formats")));
+        let best = winner(&own(sweep))
+            .map_or_else(|| verdicts::no_winner(sweep), |s| verdicts::sentence(sweep, s));
+        let mut section = Section::new(id, name, best);
+        section.push(brief(table(&format!("{id}-strategies"), slice::from_ref(sweep), all)));
+        section.push(heat_map(sweep, &format!("{id}-formats")));
         if is_detailed(i, sweeps.len()) {
-            let curves = curves(sweep, &format!("{name}-curve"));
-            let plots = curves.into_iter().chain(trade_off(sweep, &format!("{name}-trade-off")));
+            let curves = curves(sweep, &format!("{id}-curve"));
+            let plots = curves.into_iter().chain(trade_off(sweep, &format!("{id}-trade-off")));
             section.push(Block::Row(plots.map(Block::Plot).collect()));
             let few = sweeps.len() <= 2;
-            multiples(case, sweep, plan.step, few)
+            multiples(id, case, sweep, plan.step, few)
                 .into_iter()
                 .flatten()
                 .for_each(|block| section.push(block));
@@ -234,7 +272,8 @@ pub fn report(
         name: "sweep".into(),
         title: "Bias strategies, swept".into(),
         question: "Which bias strategy, at which amount, ends acne at the least cost, on which map and format?".into(),
-        lead: lead(sweeps),
+        lead: lead(sweeps, &unmeasured),
+        unmeasured,
         profile,
         seed,
         parameters: parameters(plan),
@@ -251,6 +290,13 @@ pub fn report(
         results_csv: Some(table("strategies", sweeps, all)),
         ..Report::default()
     }
+}
+
+/// What nothing was measured of, and why.
+fn unmeasured_cases(plan: &Plan, sweeps: &[CaseSweep]) -> Vec<String> {
+    let empty = |sweep: &CaseSweep| sweep.swept.iter().all(|s| s.populations == [0, 0]);
+    let none = plan.cases.iter().zip(sweeps).filter(|(_, sweep)| empty(sweep));
+    none.map(|(case, _)| unmeasured(case, plan.step)).collect()
 }
 
 fn parameters(plan: &Plan) -> BTreeMap<String, String> {

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
 /// Changes whenever the meaning of a stored result does.
-const SCHEMA: &str = concat!("gnomon-sweep-items-1 ", env!("CARGO_PKG_VERSION"));
+const SCHEMA: &str = concat!("gnomon-sweep-items-2 ", env!("CARGO_PKG_VERSION"));
 
 /// Every item in words, in order: the cases of the plan, under each its map sizes.
 #[must_use]

@@ -3,12 +3,34 @@
 use super::report::{own, winner};
 use super::tally::Tally;
 use super::{CaseSweep, Swept};
-use crate::report::number::significant;
+use crate::report::number::{percent, significant};
 use crate::report::{Cell, Table};
 use crate::shadow::bias::Strategy;
 
 fn constant<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
     list.iter().copied().find(|s| s.strategy == Strategy::Constant)
+}
+
+/// Whether receivers are truly lit: else acne is not measured.
+fn is_lit(list: &[&Swept]) -> bool {
+    list.first().is_some_and(|s| s.populations[0] > 0)
+}
+
+/// What is said where no strategy wins.
+pub(super) fn no_winner(case: &CaseSweep) -> String {
+    let list = own(case);
+    let Some(first) = list.first().filter(|_| !is_lit(&list)) else {
+        return "No strategy ends acne within the swept range.".to_string();
+    };
+    let leaks = |s: &&Swept| s.told().and_then(|p| s.share(p.tally.false_light(), 1));
+    match list.iter().filter_map(leaks).min_by(f64::total_cmp) {
+        None => "No receiver was measured.".to_string(),
+        Some(least) => format!(
+            "No receiver is truly lit, so acne is not measured and no amount is chosen; of the {} truly shadowed at least {} are lit at the smallest amount asked for.",
+            first.populations[1],
+            percent(least, 3)
+        ),
+    }
 }
 
 /// One row a case.
@@ -42,17 +64,21 @@ pub(super) fn table(sweeps: &[CaseSweep]) -> Table {
 fn row(case: &CaseSweep) -> Vec<Cell> {
     let list = own(case);
     let best = winner(&list);
+    let lit = is_lit(&list);
     let at = best.and_then(|s| s.acne_free);
     let share = |side: usize, of: fn(&Tally) -> i64| {
-        best.zip(at).map_or(Cell::Missing, |(s, p)| {
-            Cell::Percent(of(&p.tally) as f64 / s.populations[side].max(1) as f64)
-        })
+        Cell::share(best.zip(at).and_then(|(s, p)| s.share(of(&p.tally), side)))
     };
     let need = constant(&list).and_then(|s| s.acne_free).map(|p| f64::from(p.amount));
     let detach = constant(&list).and_then(|s| s.detachment).map(f64::from);
+    let which = match (lit, detach.is_some_and(|d| f64::from(case.own_bias) >= d)) {
+        (true, _) => judged(case.own_bias.into(), need, detach),
+        (false, true) => "acne not measured, and shadows detach",
+        (false, false) => "acne not measured",
+    };
     vec![
         Cell::from(case.name.as_str()),
-        Cell::from(best.map_or("none", |s| s.strategy.name())),
+        Cell::from(best.map_or(if lit { "none" } else { "not measured" }, |s| s.strategy.name())),
         Cell::from(best.zip(at).map_or_else(String::new, |(s, p)| {
             format!("{} {}", significant(p.amount.into(), 4), s.strategy.unit())
         })),
@@ -62,7 +88,7 @@ fn row(case: &CaseSweep) -> Vec<Cell> {
         Cell::number(detach.filter(|b| b.is_finite())),
         Cell::number(need.zip(detach).map(|(n, d)| d - n)),
         Cell::number(f64::from(case.own_bias)),
-        Cell::from(judged(case.own_bias.into(), need, detach)),
+        Cell::from(which),
     ]
 }
 

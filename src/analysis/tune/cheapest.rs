@@ -1,6 +1,6 @@
 //! The cheapest map that a scene can do with.
 
-use super::{Request, Tuned};
+use super::{Answer, Outcome, Request, Tuned};
 use crate::analysis::sweep::Field;
 use crate::analysis::sweep::chart::{Attachment, Chart, usable_filter};
 use crate::depth::DepthFormat;
@@ -19,27 +19,31 @@ pub struct Configuration {
     pub filter: Filter,
     /// Bytes of the map.
     pub bytes: u64,
-    /// Value of the best knob.
+    /// The knob.
+    pub knob: Knob,
+    /// Its value; 0 where no bias is needed.
     pub value: f64,
-    /// Share of the truly shadowed that is lit there.
-    pub false_light: f64,
+    /// Share of the truly shadowed that is lit there; `None` where there are none.
+    pub false_light: Option<f64>,
 }
 
 impl Configuration {
-    /// The configuration in one sentence, `knob` being what its value belongs to.
-    pub(super) fn sentence(&self, knob: Knob) -> String {
+    /// The configuration in one sentence.
+    pub(super) fn sentence(&self) -> String {
         let fetches = match self.filter.fetches() {
             1 => "1 fetch".into(),
             n => format!("{n} fetches"),
         };
+        let bias = match self.value {
+            0.0 => "no bias".to_string(),
+            value => format!("{} = {}", self.knob.name, significant(value, 4)),
+        };
         format!(
-            "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {fetches}, {4} = {5}).",
+            "The cheapest map that meets the target is {0} x {0} {1} with {2} ({3} bytes, {fetches}, {bias}).",
             self.size,
             self.format.name(),
             self.filter,
             self.bytes,
-            knob.name,
-            significant(self.value, 4),
         )
     }
 }
@@ -53,14 +57,18 @@ const fn texel_bytes(format: TexelFormat) -> u64 {
     }
 }
 
-/// The cheapest map, by bytes and then fetches, on which some knob ends acne and lights no more of the
-/// shadow than `allowed`.
+/// The cheapest map, by bytes and then fetches, on which the best knob (or else the first whose line is
+/// known) ends acne and lights hardly more of the shadow than on the asked map.
 pub(super) fn cheapest(
     field: &Field<'_>,
     request: &Request,
-    knob: Knob,
-    allowed: f64,
+    answer: &Answer<'_>,
 ) -> Option<Configuration> {
+    let known = |t: &&Tuned| !matches!(t.outcome, Outcome::Withdrawn(_));
+    let best = answer.best();
+    let knob = best.or_else(|| answer.tuned.iter().find(known))?.knob;
+    let light = best.and_then(|t| t.swept.acne_free).map_or(0.0, |p| p.tally.false_light() as f64);
+    let allowed = light / field.populations[1].max(1) as f64 + 0.005;
     let sizes = [128, 256, 512, 1024, 2048];
     let formats =
         [DepthFormat::Unorm16, DepthFormat::Unorm24, DepthFormat::F32].map(TexelFormat::Depth);
@@ -79,14 +87,14 @@ pub(super) fn cheapest(
     options.into_iter().find_map(|(bytes, _, size, format, filter)| {
         let chart = Chart::new(field, size, filter, Attachment::of(format));
         let tuned = Tuned::new(&chart, format, knob, request.max_acne);
-        let light = tuned.swept.acne_free?.tally.false_light() as f64;
-        let false_light = light / field.populations[1].max(1) as f64;
-        let value = tuned.value?;
-        (false_light <= allowed).then_some(Configuration {
+        let false_light = tuned.swept.share(tuned.swept.acne_free?.tally.false_light(), 1);
+        let value = tuned.value()?;
+        (false_light.unwrap_or(0.0) <= allowed).then_some(Configuration {
             size,
             format,
             filter,
             bytes,
+            knob,
             value,
             false_light,
         })

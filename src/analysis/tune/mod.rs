@@ -1,22 +1,27 @@
 //! The bias that a scene needs, in an engine's own parameters.
 
 mod cheapest;
+mod tables;
+mod words;
 
 use super::budget::Budget;
+use super::measure::unmeasured;
 use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
 use super::sweep::tally::{Kind, Tally};
-use super::sweep::{Field, Point, Question, Range, Swept, amounts, sweep};
+use super::sweep::{Field, Question, Range, Swept, amounts, sweep};
 use crate::depth::DepthFormat;
-use crate::engines::{Engine, Knob, Place};
-use crate::report::number::{percent, significant};
-use crate::report::{Block, Cell, Profile, Report, Section, Table};
+use crate::engines::withdrawn::Withdrawal;
+use crate::engines::{Engine, Knob, Place, Setting};
+use crate::report::number::significant;
+use crate::report::{Block, Profile, Report, Section};
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::slope::receiver_slope;
-use crate::shadow::bias::{NormalMove, Recipe};
+use crate::shadow::bias::{NormalMove, Recipe, Strategy};
 pub use cheapest::Configuration;
 use cheapest::cheapest;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use tables::{artifacts, units};
 
 /// What is tuned.
 #[derive(Clone, Debug)]
@@ -35,70 +40,83 @@ pub struct Request {
     pub command: String,
 }
 
-/// One parameter at its smallest value that meets the target.
+/// What comes of one parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// The smallest value that meets the target, in the engine's unit.
+    Set(f64),
+    /// The target is met without any bias.
+    NotNeeded,
+    /// No amount meets the target.
+    Infeasible,
+    /// The target takes this value, which the engine does not keep, or more than the whole depth range.
+    OutOfRange(f64),
+    /// The line is known to be wrong here.
+    Withdrawn(&'static Withdrawal),
+}
+
+/// One parameter and what comes of it.
 #[derive(Clone, Debug)]
 pub struct Tuned {
     /// The parameter.
     pub knob: Knob,
-    /// Its value; `None` where none ends acne.
-    pub value: Option<f64>,
+    /// What comes of it.
+    pub outcome: Outcome,
     /// The sweep behind it.
     pub swept: Swept,
 }
 
+/// A strategy along its amounts on a chart.
+fn swept(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy, max_acne: f64) -> Swept {
+    let field = chart.field;
+    let middle = field.samples.get(field.samples.len() / 2);
+    let site = middle.map(|s| field.site(s, chart.size));
+    let world = site.map_or(1.0, |s| 1.0 / s.window_per_world);
+    let range = Range { low: 1e-7, high: 1e-1, log: true, count: 100 };
+    let amounts = amounts(strategy, &range, world);
+    let mut swept = sweep(chart, format, strategy, &Question { amounts: &amounts, max_acne });
+    // Where no bias meets the target none is needed, even if more of this one brings acne back.
+    let limit = (max_acne * field.populations[0] as f64) as i64;
+    let none = swept.points.first().filter(|p| p.amount == 0.0 && p.tally.of(Kind::Acne) <= limit);
+    swept.acne_free = none.copied().filter(|_| field.populations[0] > 0).or(swept.acne_free);
+    swept
+}
+
 impl Tuned {
     fn new(chart: &Chart<'_, '_>, format: TexelFormat, knob: Knob, max_acne: f64) -> Self {
-        let field = chart.field;
-        let middle = field.samples.get(field.samples.len() / 2);
-        let site = middle.map(|s| field.site(s, chart.size));
-        let world = site.map_or(1.0, |s| 1.0 / s.window_per_world);
-        let range = Range { low: 1e-7, high: 1e-1, log: true, count: 100 };
-        let amounts = amounts(knob.strategy, &range, world);
-        let question = Question { amounts: &amounts, max_acne };
-        let swept = sweep(chart, format, knob.strategy, &question);
-        let value = swept.acne_free.map(|p| knob.value(f64::from(p.amount)));
-        Self { knob, value, swept }
-    }
-
-    /// Why no value of the parameter meets the target, in one sentence.
-    fn reason(&self, populations: [u64; 2]) -> String {
-        let acne = |p: &&Point| p.tally.of(Kind::Acne);
-        let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
-        let least = self.swept.points.iter().min_by_key(acne);
-        least.map_or_else(String::new, |p| {
-            format!(
-                "{} alone cannot do it: at best, at {}, it leaves {} of the lit with acne and lights {} of the shadowed.",
-                self.knob.name,
-                significant(self.knob.value(p.amount.into()), 4),
-                share(acne(&p), 0),
-                share(p.tally.false_light(), 1),
-            )
-        })
-    }
-
-    /// Whether shadows detach before acne has ended, in words for the end of a sentence.
-    fn conflict(&self) -> String {
-        let ends = self.swept.acne_free.map(|p| p.amount);
-        match (ends, self.swept.detachment) {
-            (Some(free), Some(first)) if first <= free => format!(
-                " No value is free of both: shadows detach from {} on.",
-                significant(self.knob.value(first.into()), 4)
-            ),
-            (Some(_), Some(first)) if first.is_finite() => {
-                format!(
-                    " Shadows detach from {} on.",
-                    significant(self.knob.value(first.into()), 4)
-                )
+        let swept = swept(chart, format, knob.strategy, max_acne);
+        let setting = Setting::of(chart.field.case(), chart.filter, format);
+        let amount = swept.acne_free.map(|p| f64::from(p.amount));
+        let outcome = match (amount, knob.withdrawn(&setting)) {
+            (Some(0.0), _) => Outcome::NotNeeded,
+            (_, Some(withdrawal)) => Outcome::Withdrawn(withdrawal),
+            (None, None) => Outcome::Infeasible,
+            (Some(amount), None) => {
+                let value = knob.value(amount);
+                let beyond = knob.strategy == Strategy::Constant && amount > 1.0;
+                match knob.accepts(value) && !beyond {
+                    true => Outcome::Set(value),
+                    false => Outcome::OutOfRange(value),
+                }
             }
-            _ => String::new(),
+        };
+        Self { knob, outcome, swept }
+    }
+
+    /// The value to set; `None` where none is recommended.
+    #[must_use]
+    pub const fn value(&self) -> Option<f64> {
+        match self.outcome {
+            Outcome::Set(value) => Some(value),
+            Outcome::NotNeeded => Some(0.0),
+            Outcome::Infeasible | Outcome::OutOfRange(_) | Outcome::Withdrawn(_) => None,
         }
     }
 
     /// Order of preference: feasible, then the least false light, then false shadow.
     fn merit(&self) -> (bool, i64, i64) {
-        self.swept
-            .acne_free
-            .map_or((true, i64::MAX, i64::MAX), |p| (false, p.tally.light, p.tally.shadow))
+        let end = self.swept.acne_free.filter(|_| self.value().is_some());
+        end.map_or((true, i64::MAX, i64::MAX), |p| (false, p.tally.light, p.tally.shadow))
     }
 }
 
@@ -128,53 +146,6 @@ pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place>
     })
 }
 
-fn shares(tally: &Tally, populations: [u64; 2]) -> Vec<Cell> {
-    let share = |kind: Kind| {
-        let of = populations[usize::from(!kind.is_shadow())].max(1) as f64;
-        Cell::Percent(tally.of(kind) as f64 / of)
-    };
-    Kind::ALL.iter().map(|&kind| share(kind)).collect()
-}
-
-fn artifacts(rows: &[(String, Tally)], populations: [u64; 2]) -> Table {
-    let mut table = Table::new(
-        "artifacts",
-        "What is wrong with each setting, as shares of the truly lit or shadowed.",
-    )
-    .column("setting", "", "");
-    for kind in Kind::ALL {
-        table = table.column(kind.name(), "", "");
-    }
-    for (name, tally) in rows {
-        let mut row = vec![Cell::from(name.as_str())];
-        row.extend(shares(tally, populations));
-        table.push(row);
-    }
-    table
-}
-
-/// The same bias in every unit and engine at the middle receiver.
-fn units(place: &Place, bias: f64) -> Table {
-    let mut table = Table::new("units", "The same lift at the middle receiver in other units; a normal offset is worth it there only.")
-        .column("unit", "", "")
-        .column("value", "", "");
-    let world = place.world_from_window(bias);
-    let mut push =
-        |name: String, value: f64| table.push(vec![Cell::from(name), Cell::number(value)]);
-    push("window depth".into(), bias);
-    push("world units".into(), world);
-    push("texels".into(), world / place.texel_world);
-    push("format steps".into(), bias / place.step);
-    for &engine in Engine::ALL {
-        for knob in engine.knobs() {
-            if let Some(amount) = place.amount(knob.strategy, bias) {
-                push(format!("{engine} {}", knob.name), knob.value(amount));
-            }
-        }
-    }
-    table
-}
-
 /// The measured setting of an engine's defaults: casters' and receivers' hooks together.
 fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally {
     let recipe = engine.defaults();
@@ -196,6 +167,132 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     tally
 }
 
+/// Everything that is worked out for one request.
+struct Answer<'r> {
+    request: &'r Request,
+    populations: [u64; 2],
+    /// In order of preference; empty where nothing is lit and acne is not measured.
+    tuned: Vec<Tuned>,
+    /// Each setting and what it leaves wrong; the engine's defaults last, where they are known.
+    rows: Vec<(String, Tally)>,
+    /// Why what the defaults leave is not said.
+    no_default: Option<&'static Withdrawal>,
+    /// The constant bias that ends acne, window depth; asked where a line is withdrawn.
+    constant: Option<f32>,
+    /// The best value in window depth at the middle receiver.
+    window: Option<f64>,
+    place: Option<Place>,
+    setting: Setting,
+}
+
+impl<'r> Answer<'r> {
+    fn new(request: &'r Request, chart: &Chart<'_, '_>, format: TexelFormat) -> Self {
+        let (engine, populations) = (request.engine, chart.field.populations);
+        let knobs = if populations[0] > 0 { engine.knobs() } else { Vec::new() };
+        let tune = |knob| Tuned::new(chart, format, knob, request.max_acne);
+        let mut tuned: Vec<Tuned> = knobs.into_iter().map(tune).collect();
+        tuned.sort_by_key(Tuned::merit);
+        let setting = Setting::of(&request.case, chart.filter, format);
+        let no_default = engine.default_withdrawn(&setting);
+        let row = |t: &Tuned| {
+            let name = match t.outcome {
+                Outcome::Set(value) => format!("{} = {}", t.knob.name, significant(value, 6)),
+                Outcome::NotNeeded => format!("{}: none", t.knob.name),
+                Outcome::Infeasible | Outcome::OutOfRange(_) | Outcome::Withdrawn(_) => {
+                    return None;
+                }
+            };
+            Some((name, t.swept.acne_free?.tally))
+        };
+        let mut rows: Vec<(String, Tally)> = tuned.iter().filter_map(row).collect();
+        if no_default.is_none() && populations != [0, 0] {
+            rows.push((format!("{engine} defaults"), defaults(chart, format, engine)));
+        }
+        let is_withdrawn = |t: &Tuned| matches!(t.outcome, Outcome::Withdrawn(_));
+        let constant = tuned.iter().any(is_withdrawn).then(|| {
+            let swept = swept(chart, format, Strategy::Constant, request.max_acne);
+            swept.acne_free.map(|p| p.amount)
+        });
+        let place = place(chart.field, chart.size, format);
+        let best = tuned.iter().find(|t| t.value().is_some());
+        let window = best.zip(place.as_ref()).and_then(|(t, place)| {
+            let amount = f64::from(t.swept.acne_free?.amount);
+            place.window(t.knob.strategy, amount).filter(|depth| depth.abs() <= 1.0)
+        });
+        let constant = constant.flatten();
+        Self { request, populations, rows, no_default, constant, window, place, setting, tuned }
+    }
+
+    fn best(&self) -> Option<&Tuned> {
+        self.tuned.iter().find(|t| t.value().is_some())
+    }
+
+    /// The lines to paste, or why there are none, and the tables.
+    fn section(&self) -> Section {
+        let engine = self.request.engine;
+        let lead = match self.best() {
+            Some(_) => "Each line alone ends acne; the first one costs the least light.",
+            None => "No line is recommended.",
+        };
+        let mut section = Section::new("answer", "The value", lead);
+        for t in &self.tuned {
+            match t.outcome {
+                Outcome::Set(value) => {
+                    let line = engine.line(&t.knob, value);
+                    section.push(Block::Code { language: engine.name().into(), text: line });
+                }
+                Outcome::NotNeeded
+                | Outcome::Infeasible
+                | Outcome::OutOfRange(_)
+                | Outcome::Withdrawn(_) => section.push(self.reason(t)),
+            }
+        }
+        if self.tuned.is_empty() {
+            section.push(self.nothing_lit());
+        }
+        if !self.rows.is_empty() {
+            section.push(artifacts(&self.rows, self.populations));
+        }
+        let bias = self.window.filter(|bias| *bias != 0.0);
+        if let (Some(bias), Some(place)) = (bias, &self.place) {
+            let (table, left_out) = units(place, bias, &self.setting);
+            section.push(table);
+            if !left_out.is_empty() {
+                section.push(format!(
+                    "Left out, since they are known to be wrong here or beyond what the engine keeps: {}.",
+                    left_out.join(", ")
+                ));
+            }
+        }
+        section.push(format!("Formula and defaults of {engine} are those of {}.", engine.source()));
+        section
+    }
+
+    fn results(&self, cheap: Option<&Configuration>, budget: Option<&Budget>) -> Value {
+        let request = self.request;
+        let value = |knob: &Knob| {
+            let tuned = self.tuned.iter().find(|t| t.knob.name == knob.name);
+            (knob.name, tuned.and_then(Tuned::value))
+        };
+        let values: BTreeMap<&str, Option<f64>> =
+            request.engine.knobs().iter().map(value).collect();
+        json!({
+            "schema": "gnomon-tune-1",
+            "profile": request.profile,
+            "seed": request.seed,
+            "case": request.case.name,
+            "engine": request.engine,
+            "values": values,
+            "window_depth": self.window,
+            "budget": budget,
+            "cheapest": cheap.map(|c| json!({
+                "map": c.size, "format": c.format.name(), "filter": c.filter, "bytes": c.bytes,
+                "value": c.value, "false_light": c.false_light,
+            })),
+        })
+    }
+}
+
 /// The report of one request.
 #[must_use]
 pub fn report(request: &Request) -> Report {
@@ -205,54 +302,22 @@ pub fn report(request: &Request) -> Report {
     let format = case.map.texel;
     let filter = usable_filter(case.lookup.filter, format);
     let chart = Chart::new(&field, case.map.size, filter, Attachment::of(format));
-    let mut tuned: Vec<Tuned> =
-        engine.knobs().iter().map(|&k| Tuned::new(&chart, format, k, request.max_acne)).collect();
-    tuned.sort_by_key(Tuned::merit);
-    let populations = field.populations;
-    let best = tuned.iter().find(|t| t.value.is_some());
-    let mut section = Section::new(
-        "answer",
-        "The value",
-        "Each line alone ends acne; the first one costs the least light.",
-    );
-    let mut rows: Vec<(String, Tally)> = Vec::new();
-    for t in &tuned {
-        match (t.value, t.swept.acne_free) {
-            (Some(value), Some(point)) => {
-                let line = engine.line(&t.knob, value);
-                section.push(Block::Code { language: engine.name().into(), text: line });
-                rows.push((format!("{} = {}", t.knob.name, significant(value, 6)), point.tally));
-            }
-            _ => section.push(t.reason(populations)),
-        }
-    }
-    rows.push((format!("{engine} defaults"), defaults(&chart, format, engine)));
-    section.push(artifacts(&rows, populations));
-    let window = best.and_then(|t| {
-        let amount = f64::from(t.swept.acne_free?.amount);
-        place(&field, chart.size, format)?.window(t.knob.strategy, amount)
-    });
-    if let (Some(bias), Some(place)) = (window, place(&field, chart.size, format)) {
-        section.push(units(&place, bias));
-    }
-    let light = best.and_then(|t| t.swept.acne_free).map_or(0.0, |p| p.tally.false_light() as f64);
-    let allowed = light / populations[1].max(1) as f64 + 0.005;
-    let knob = best.map_or(engine.knobs()[0], |t| t.knob);
-    let cheap = cheapest(&field, request, knob, allowed);
-    let budget = Budget::of(&field);
-    let reason = tuned.first().map_or_else(String::new, |t| t.reason(populations));
-    let mut lead = vec![answer(request, best, &rows, populations, &reason)];
-    lead.push(cheap.as_ref().map_or_else(
-        || "No smaller configuration meets the target.".to_string(),
-        |c| c.sentence(knob),
-    ));
-    lead.push(budget.sentence(&case.name));
+    let answer = Answer::new(request, &chart, format);
+    let none = (field.populations == [0, 0]).then(|| unmeasured(case, step));
+    let mut lead = vec![match &none {
+        Some(why) => format!("{why}. No bias is recommended."),
+        None => answer.sentence(),
+    }];
+    let (cheap, budget) = match field.populations[0] {
+        0 => (None, None),
+        _ => (cheapest(&field, request, &answer), Some(Budget::of(&field))),
+    };
+    lead.extend(answer.withdrawn());
+    lead.extend(answer.cheapest_sentence(cheap.as_ref()));
+    lead.extend(budget.as_ref().map(|budget| budget.sentence(&case.name)));
     if !engine.remark().is_empty() {
         lead.push(format!("Of {engine}: {}.", engine.remark()));
     }
-    section.push(format!("Formula and defaults of {engine} are those of {}.", engine.source()));
-    let values: BTreeMap<&str, Option<f64>> =
-        tuned.iter().map(|t| (t.knob.name, t.value)).collect();
     Report {
         name: "tune".into(),
         title: format!("{}: the bias for {engine}", case.name),
@@ -269,65 +334,10 @@ pub fn report(request: &Request) -> Report {
             ("allowed acne".into(), request.max_acne.to_string()),
         ]),
         command: request.command.clone(),
-        sections: vec![section],
-        results_csv: Some(artifacts(&rows, populations)),
-        results: results(request, &values, window, cheap.as_ref(), &budget),
+        sections: vec![answer.section()],
+        results_csv: Some(artifacts(&answer.rows, field.populations)),
+        results: answer.results(cheap.as_ref(), budget.as_ref()),
+        unmeasured: none.into_iter().collect(),
         ..Report::default()
-    }
-}
-
-fn results(
-    request: &Request,
-    values: &BTreeMap<&str, Option<f64>>,
-    window: Option<f64>,
-    cheap: Option<&Configuration>,
-    budget: &Budget,
-) -> Value {
-    json!({
-        "schema": "gnomon-tune-1",
-        "profile": request.profile,
-        "seed": request.seed,
-        "case": request.case.name,
-        "engine": request.engine,
-        "values": values,
-        "window_depth": window,
-        "budget": budget,
-        "cheapest": cheap.map(|c| json!({
-            "map": c.size, "format": c.format.name(), "filter": c.filter, "bytes": c.bytes,
-            "value": c.value, "false_light": c.false_light,
-        })),
-    })
-}
-
-/// The sentence on top.
-fn answer(
-    request: &Request,
-    best: Option<&Tuned>,
-    rows: &[(String, Tally)],
-    populations: [u64; 2],
-    reason: &str,
-) -> String {
-    let engine = request.engine;
-    let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
-    let default = rows.last().map_or_else(String::new, |(_, t)| {
-        let (shadow, light) = (share(t.of(Kind::Acne), 0), share(t.false_light(), 1));
-        format!(
-            " The default leaves {shadow} of the lit with acne and {light} of the shadowed lit."
-        )
-    });
-    match best.and_then(|t| Some((t, t.value?, t.swept.acne_free?))) {
-        Some((t, value, point)) => format!(
-            "Set {} to {}: acne falls to {} of the lit, false light is {} of the shadowed.{}{default}",
-            t.knob.name,
-            significant(value, 6),
-            share(point.tally.of(Kind::Acne), 0),
-            share(point.tally.false_light(), 1),
-            t.conflict(),
-        ),
-        None => format!(
-            "Infeasible: no value of any of {engine}'s parameters brings acne to {} or below on this map. {}{default}",
-            percent(request.max_acne, 3),
-            reason,
-        ),
     }
 }
