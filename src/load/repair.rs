@@ -1,9 +1,9 @@
 //! Meshes as files give them: refused where they are damaged, or leniently rid of what is.
 
 use super::files::Budget;
-use crate::scene::shapes::Mesh;
-use crate::{Error, Result};
 use glam::Vec3;
+use gnomon_core::scene::Mesh;
+use gnomon_core::{Error, Result};
 
 /// Whether a position can be worked with: a number within 10³⁰.
 fn is_sound(p: Vec3) -> bool {

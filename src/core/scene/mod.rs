@@ -2,9 +2,6 @@
 
 pub mod cases;
 pub mod chain;
-pub mod config;
-pub mod fit;
-pub mod load;
 pub mod matrix;
 pub mod pipeline;
 pub mod shapes;

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use layer::{Disk, FileLayer};
 pub use manifest::{MANIFEST, Manifest, digest, verify};
 
-use crate::{Error, Result};
+use gnomon_core::{Error, Result};
 
 const JOURNAL: &str = ".publish.tmp";
 const LOCK: &str = ".lock.tmp";

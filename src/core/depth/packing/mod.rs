@@ -8,11 +8,13 @@ mod base256;
 mod bits;
 mod digits;
 mod source;
+#[cfg(feature = "toml")]
 mod text;
 mod three;
 
 use super::arith::Number;
 pub use source::Source;
+#[cfg(feature = "toml")]
 pub use text::TextPair;
 
 /// A pack and its unpack, written once over [`Number`].

@@ -4,7 +4,7 @@
 /// name that files and the command line use.
 ///
 /// ```
-/// gnomon::catalogue! {
+/// gnomon_core::catalogue! {
 ///     /// Sides of a coin.
 ///     pub enum Side {
 ///         /// The side with the head.

@@ -30,7 +30,7 @@ pub use plot::{Axis, Marker, Plot, Scale, Series, Size, Style};
 pub use table::{Cell, Column, Table};
 pub use write::Written;
 
-crate::catalogue! {
+gnomon_core::catalogue! {
     /// How much of the work was done.
     pub enum Profile {
         /// The same cases and parameters on every fourth pixel in x and y.
@@ -40,7 +40,7 @@ crate::catalogue! {
     }
 }
 
-crate::catalogue! {
+gnomon_core::catalogue! {
     /// What the numbers say about a claim.
     pub enum Verdict {
         /// The numbers bear the claim out.

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::{Block, Plot, Report, Size, page};
-use crate::Result;
 use crate::output::{self, Manifest, OutFile};
+use gnomon_core::Result;
 
 /// What was written where.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ impl Report {
     /// The same report gives the same bytes.
     ///
     /// # Errors
-    /// [`crate::Error::Write`] where the folder cannot be written, [`crate::Error::BadInput`]
+    /// [`gnomon_core::Error::Write`] where the folder cannot be written, [`gnomon_core::Error::BadInput`]
     /// where another process holds it.
     ///
     /// # Panics
@@ -132,7 +132,7 @@ impl Report {
     fn manifest(&self, files: &[OutFile]) -> Manifest {
         Manifest {
             schema: "gnomon-manifest-1".to_string(),
-            tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")).to_string(),
+            tool: concat!("gnomon ", env!("CARGO_PKG_VERSION")).to_string(),
             seed: self.seed,
             parameters: self.parameters.clone(),
             inputs: self.inputs.clone(),

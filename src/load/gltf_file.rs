@@ -2,11 +2,11 @@
 
 use super::files::Budget;
 use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, repair};
-use crate::{Error, Result};
 use glam::{DVec3, Mat4, Vec3};
 use gltf::buffer::Source;
 use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
+use gnomon_core::{Error, Result};
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -213,5 +213,5 @@ fn position(world: Mat4) -> DVec3 {
 
 fn axis(world: Mat4, local: Vec3) -> DVec3 {
     let v = world.transform_vector3(local).as_dvec3();
-    v / crate::view::length(v)
+    v / gnomon_core::view::length(v)
 }

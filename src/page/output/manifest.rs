@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::OutFile;
-use crate::{Error, Result};
+use gnomon_core::{Error, Result};
 
 /// Name of the manifest in its folder.
 pub const MANIFEST: &str = "manifest.json";

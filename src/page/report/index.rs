@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::page;
 use crate::output::{OutFile, publish};
-use crate::{Error, Result};
+use gnomon_core::{Error, Result};
 
 /// What an index shows of a report; read from its `report.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]

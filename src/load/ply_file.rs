@@ -2,8 +2,8 @@
 
 use super::files::Budget;
 use super::{LoadedScene, repair};
-use crate::{Error, Result};
 use glam::{Mat4, Vec3};
+use gnomon_core::{Error, Result};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
 use std::path::Path;

@@ -1,9 +1,9 @@
 //! The small TOML beside a scene file: light, camera, map and look-up that the file does not say.
 
-use super::pipeline::{CompareRule, Cull, Filter, TexelFormat, Wrap};
-use crate::depth::{DepthFormat, Packing};
-use crate::device::DeviceProfile;
-use crate::{Error, Result};
+use gnomon_core::depth::{DepthFormat, Packing};
+use gnomon_core::device::DeviceProfile;
+use gnomon_core::scene::{CompareRule, Cull, Filter, TexelFormat, Wrap};
+use gnomon_core::{Error, Result};
 use serde::Deserialize;
 use std::path::Path;
 use std::str::FromStr;

@@ -1,8 +1,8 @@
 //! glTF accessors read with checked arithmetic: every offset is proved inside its buffer first.
 
-use crate::{Error, Result};
 use glam::Vec3;
 use gltf::accessor::{DataType, Dimensions};
+use gnomon_core::{Error, Result};
 
 /// The bytes of an accessor: start, stride and element size are known to fit.
 struct Elements<'a> {

@@ -8,17 +8,19 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 mod accessor;
+pub mod config;
 mod files;
+pub mod fit;
 mod gltf_file;
 mod obj_file;
 mod ply_file;
 mod repair;
 
-use super::shapes::Mesh;
-use crate::{Error, Result};
 use files::Budget;
 pub use files::Limits;
 use glam::{DVec3, Mat4};
+use gnomon_core::scene::Mesh;
+use gnomon_core::{Error, Result};
 use std::path::Path;
 
 /// What a scene file holds.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layer::{Disk, FileLayer};
-use crate::{Error, Result};
+use gnomon_core::{Error, Result};
 
 const MAGIC: &[u8] = b"gnomon-journal-1\n";
 /// Bytes before a record's body: length and CRC.

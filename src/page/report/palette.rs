@@ -6,7 +6,7 @@
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
-crate::catalogue! {
+gnomon_core::catalogue! {
     /// A named colour. A class keeps its colour on every page, in plots and in pictures.
     pub enum Colour {
         /// Near black: text, outlines, the document's own line.

@@ -1,6 +1,6 @@
 //! Reading files under limits, and only inside the scene's own folder.
 
-use crate::{Error, Result};
+use gnomon_core::{Error, Result};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};

@@ -75,7 +75,7 @@ impl TextPair {
     /// Reads the text form. `place` names the file in messages.
     ///
     /// ```
-    /// let pair = gnomon::depth::packing::TextPair::from_toml("mine.toml", r#"
+    /// let pair = gnomon_core::depth::packing::TextPair::from_toml("mine.toml", r#"
     /// base = 255.0            # ratio between neighbouring digits
     /// channels = 4            # 1 to 4 (default 4)
     /// order = "high-first"    # or "low-first": where the most significant digit lives

@@ -2,8 +2,8 @@
 
 use super::files::Budget;
 use super::{LoadedScene, repair};
-use crate::{Error, Result};
 use glam::{Mat4, Vec3};
+use gnomon_core::{Error, Result};
 use std::path::Path;
 
 pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<LoadedScene> {
