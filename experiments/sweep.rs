@@ -25,7 +25,7 @@ struct Args {
     #[arg(long, value_delimiter = ',', default_value = "documents", conflicts_with = "scene")]
     case: Vec<String>,
     #[command(flatten)]
-    scene: gnomon::scene::fit::SceneFile,
+    scene: gnomon::scene_file::SceneFile,
     /// Map sizes in texels per side
     #[arg(long, value_delimiter = ',', default_value = "256,512,1024,2048")]
     map: Vec<u32>,

@@ -7,8 +7,8 @@ use gnomon::analysis::tune::{self, Request};
 use gnomon::engines::Engine;
 use gnomon::harness::{Common, arguments, print, print_table, run};
 use gnomon::report::Block;
-use gnomon::scene::fit::SceneFile;
 use gnomon::scene::{Filter, cases};
+use gnomon::scene_file::SceneFile;
 use std::path::Path;
 use std::process::ExitCode;
 

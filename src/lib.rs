@@ -47,25 +47,17 @@
 //! counted as somebody's error.
 
 pub mod analysis;
-pub mod camera;
-pub mod catalogue;
 pub mod conformance;
-pub mod depth;
-pub mod device;
-pub mod engines;
-pub mod error;
 pub mod harness;
-pub mod light;
-pub mod num;
-pub mod output;
-pub mod raster;
-pub mod report;
-pub mod scene;
-pub mod shadow;
-pub mod simd;
+pub mod scene_file;
 pub mod stress;
-pub mod truth;
-pub mod view;
+
+pub use gnomon_core::{
+    camera, catalogue, depth, device, engines, error, light, num, raster, scene, shadow, simd,
+    truth, view,
+};
+pub use gnomon_load as load;
+pub use gnomon_page::{output, report};
 
 pub use error::{Error, Result};
 

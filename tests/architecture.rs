@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Layer of each module of the crate; siblings are listed in [`SIBLINGS`].
+/// Layer of each module, in whichever package it stands; modules of one layer do not meet but in
+/// [`PAIRED`].
 const LAYERS: &[(&str, u8)] = &[
     ("error", 0),
     ("catalogue", 0),
@@ -20,16 +21,22 @@ const LAYERS: &[(&str, u8)] = &[
     ("truth", 4),
     ("raster", 5),
     ("engines", 5),
+    ("load", 6),
     ("report", 6),
     ("output", 6),
     ("analysis", 7),
     ("conformance", 7),
     ("stress", 7),
+    ("scene_file", 7),
     ("harness", 8),
 ];
 
 /// Modules of one layer that may import each other: the report's writers publish through `output`.
-const PAIRED: &[(&str, &str)] = &[("report", "output"), ("depth", "view")];
+const PAIRED: &[(&str, &str)] =
+    &[("report", "output"), ("depth", "view"), ("analysis", "scene_file")];
+
+/// Packages below the root; one is a module of the root by its own name where it has no rooms.
+const PACKAGES: &[&str] = &["core", "load", "page"];
 
 const LONGEST_FILE: usize = 400;
 const LONGEST_FUNCTION: usize = 80;
@@ -60,22 +67,32 @@ fn name(path: &Path) -> String {
     path.strip_prefix(root()).unwrap_or(path).display().to_string()
 }
 
-/// The crate's module that a file under src belongs to.
+/// The module that a file under src belongs to; a package without rooms is one module.
 fn module(path: &Path) -> String {
     let relative = path.strip_prefix(root().join("src")).unwrap();
-    let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
-    first.trim_end_matches(".rs").to_string()
+    let mut parts = relative.components().map(|c| c.as_os_str().to_string_lossy());
+    let first = parts.next().unwrap();
+    let room = match first.as_ref() {
+        "core" | "page" => parts.next().unwrap(),
+        _ => first,
+    };
+    room.trim_end_matches(".rs").to_string()
 }
 
-/// Modules named by `crate::module` in code (comments left out).
+/// Modules named by `crate::module`, `gnomon_core::module` and so on in code (comments left out).
 fn imports(text: &str) -> Vec<String> {
     let code = text.lines().filter(|l| !l.trim_start().starts_with("//"));
     let mut found = Vec::new();
     for line in code {
-        for (at, _) in line.match_indices("crate::") {
-            let rest = &line[at + 7..];
-            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            found.push(rest[..end].to_string());
+        for root in ["crate::", "gnomon_core::", "gnomon_page::"] {
+            for (at, _) in line.match_indices(root) {
+                let rest = &line[at + root.len()..];
+                let word = |c: char| !c.is_alphanumeric() && c != '_';
+                found.push(rest[..rest.find(word).unwrap_or(rest.len())].to_string());
+            }
+        }
+        if line.contains("gnomon_load::") {
+            found.push("load".to_string());
         }
     }
     found
@@ -144,6 +161,23 @@ fn functions_are_short() {
     lengths.sort_unstable();
     let median = lengths[lengths.len() / 2];
     assert!(lengths.len() > 200 && median <= 10, "median of {} is {median}", lengths.len());
+}
+
+#[test]
+fn packages_depend_downwards() {
+    let allowed = |package: &str| match package {
+        "core" => vec![],
+        "load" | "page" => vec!["gnomon-core"],
+        other => panic!("{other} is no package"),
+    };
+    for package in PACKAGES {
+        let manifest =
+            fs::read_to_string(root().join("src").join(package).join("Cargo.toml")).unwrap();
+        let needs: toml::Table = manifest.parse().unwrap();
+        let own = needs["dependencies"].as_table().unwrap().keys();
+        let own: Vec<&str> = own.map(String::as_str).filter(|d| d.starts_with("gnomon")).collect();
+        assert_eq!(own, allowed(package), "dependencies of {package}");
+    }
 }
 
 #[test]

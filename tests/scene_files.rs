@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 use gnomon::Error;
 use gnomon::analysis::measure::measure;
-use gnomon::scene::config::Settings;
-use gnomon::scene::fit;
-use gnomon::scene::load::{Limits, LoadedScene, load};
+use gnomon::load::config::Settings;
+use gnomon::load::fit;
+use gnomon::load::{Limits, LoadedScene, load};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;

@@ -7,8 +7,8 @@ use gnomon::analysis::{formats, pareto};
 use gnomon::depth::DepthFormat;
 use gnomon::engines::Engine;
 use gnomon::report::{Block, Profile, Report};
-use gnomon::scene::fit::SceneFile;
 use gnomon::scene::{Case, TexelFormat};
+use gnomon::scene_file::SceneFile;
 use gnomon::shadow::bias::Strategy;
 use std::process::Command;
 

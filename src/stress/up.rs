@@ -3,12 +3,12 @@
 use super::search::{ladder, onset, phases};
 use super::{Effort, Fate, Forecast, Row, Stress};
 use crate::device::DeviceProfile;
+use crate::load::LoadedScene;
+use crate::load::config::Settings;
+use crate::load::fit;
 use crate::num::exp2;
 use crate::raster::passes::{Transformed, draw_map, map_depth_buffer};
 use crate::report::Scale;
-use crate::scene::config::Settings;
-use crate::scene::fit;
-use crate::scene::load::LoadedScene;
 use crate::scene::shapes::{Mesh, cuboid, quad};
 use crate::view::View;
 use glam::{DVec3, Mat4, Vec3};

@@ -6,8 +6,8 @@ use crate::analysis::effort::EffortArguments;
 use crate::device::DeviceProfile;
 use crate::raster::passes::Subject;
 use crate::report::Profile;
-use crate::scene::fit::UserScene;
 use crate::scene::{Case, cases};
+use crate::scene_file::UserScene;
 use crate::{Error, Result};
 use std::path::PathBuf;
 

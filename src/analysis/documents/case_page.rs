@@ -8,10 +8,10 @@ use crate::analysis::ladder::Rung;
 use crate::analysis::measure::Measured;
 use crate::analysis::measurement::{Measurement, Wrongs};
 use crate::analysis::sweep::Field;
+use crate::load::fit::YOURS;
 use crate::report::{
     Axis, Block, Cell, Colour, Column, HeatMap, Marker, Plot, Section, Series, Style, Table,
 };
-use crate::scene::fit::YOURS;
 
 /// Formats and the budget are surveyed on every so many pixels in x and y, in every profile: they compare
 /// settings with each other, which few receivers show as well as many.

@@ -4,11 +4,11 @@ use crate::analysis::classify::{Artifact, StoredCaster, false_light, false_shado
 use crate::analysis::ladder::Rung;
 use crate::analysis::measure::Measured;
 use crate::analysis::observe::{Observation, Observer, Standing};
+use crate::load::fit::YOURS;
 use crate::num::{from_ordinal, ordinal};
 use crate::report::explorer::{Class, Codes, Detail, Explorer, Field, Slider, Truth, Values, View};
 use crate::report::{Colour, explorer};
 use crate::scene::CompareRule;
-use crate::scene::fit::YOURS;
 use crate::shadow;
 
 /// Rungs and fields travel for at most so many samples a side.

@@ -1,0 +1,138 @@
+//! Scenes and cases: objects, light, camera and the pipeline that a case fixes.
+
+pub mod cases;
+pub mod chain;
+pub mod matrix;
+pub mod pipeline;
+pub mod shapes;
+
+use crate::camera::Camera;
+use crate::device::DeviceProfile;
+use crate::light::Light;
+pub use chain::{Matrices, MatrixChain, Stages};
+use glam::{DVec3, Mat4, Vec3};
+pub use pipeline::{
+    CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, TexelFormat, Wrap,
+};
+pub use shapes::Mesh;
+
+/// World-space triangles in f64: what truth and analysis call *the scene*. A triangle's index is
+/// its id everywhere (maps, EXR channels, verdicts).
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// World positions; exact where the model matrix only translates, else rounded to f64.
+    pub positions: Vec<DVec3>,
+    /// Vertex indices, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index of the object that each triangle belongs to.
+    pub object: Vec<u16>,
+}
+
+/// The id of no triangle: nothing was drawn.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+impl Geometry {
+    /// The three corners of triangle `id`.
+    #[must_use]
+    pub fn corners(&self, id: u32) -> [DVec3; 3] {
+        self.triangles[id as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Normal of triangle `id` by the right-hand rule, not normalised: twice its area in length.
+    #[must_use]
+    pub fn area_normal(&self, id: u32) -> DVec3 {
+        let [a, b, c] = self.corners(id);
+        (b - a).cross(c - a)
+    }
+}
+
+/// One mesh with its place in the world and its matrices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// What reports call it.
+    pub name: String,
+    /// Its shape.
+    pub mesh: Mesh,
+    /// World from model, f32 as uploaded.
+    pub model: Mat4,
+    /// The f32 matrices that the case's chain uses.
+    pub matrices: Matrices,
+}
+
+crate::catalogue! {
+    /// How the document turns visibility into a colour.
+    pub enum Shading {
+        /// colour × (1 lit, 0.7 shadowed) (documents 000, 004).
+        Tint = "tint",
+        /// ambient + (diffuse + specular) · visibility (document 001).
+        AmbientDiffuseSpecular = "ambient-diffuse-specular",
+        /// colour · N·L · visibility inside the spot's cone (document 002).
+        Lambert = "lambert",
+        /// ambient + visibility · N·L · colour (document 003).
+        AmbientLambert = "ambient-lambert",
+    }
+}
+
+/// A known number of a case, with where it comes from.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Fact {
+    /// What is known, as a name in `results.json`.
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The formula or document.
+    pub source: &'static str,
+}
+
+/// A named system to be measured: geometry, light, camera, pipeline and bias.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Stable name on the command line and in files.
+    pub name: String,
+    /// The document or derivation it comes from.
+    pub document: String,
+    /// Everything that is drawn; all objects cast and receive.
+    pub objects: Vec<Object>,
+    /// The light with the map.
+    pub light: Light,
+    /// The camera whose pixels are the receivers.
+    pub camera: Camera,
+    /// Width and height of the camera's picture in pixels.
+    pub canvas: [u32; 2],
+    /// How matrices multiply.
+    pub chain: MatrixChain,
+    /// How the map is drawn.
+    pub map: MapSpec,
+    /// How it is looked up.
+    pub lookup: LookupSpec,
+    /// Faces that the camera pass leaves out.
+    pub camera_cull: Cull,
+    /// The document's constant bias; positive repairs acne.
+    pub bias: f32,
+    /// How the document colours.
+    pub shading: Shading,
+    /// The implementation the case is measured on unless another is asked for.
+    pub device: DeviceProfile,
+    /// What the document leaves open and is fixed here.
+    pub assumptions: Vec<String>,
+    /// Closed-form or printed facts.
+    pub facts: Vec<Fact>,
+}
+
+impl Case {
+    /// World-space triangles of all objects, in drawing order.
+    #[must_use]
+    pub fn geometry(&self) -> Geometry {
+        let mut geometry = Geometry::default();
+        for (index, object) in self.objects.iter().enumerate() {
+            let first = geometry.positions.len() as u32;
+            let model = object.model.as_dmat4();
+            let world = |p: &Vec3| model.transform_point3(p.as_dvec3());
+            geometry.positions.extend(object.mesh.positions.iter().map(world));
+            geometry.triangles.extend(object.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+            let triangles = object.mesh.triangles.len();
+            geometry.object.extend(std::iter::repeat_n(index as u16, triangles));
+        }
+        geometry
+    }
+}

@@ -1,0 +1,217 @@
+//! glTF 2.0 and GLB: meshes under their node transforms, the first light and camera.
+
+use super::files::Budget;
+use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, repair};
+use glam::{DVec3, Mat4, Vec3};
+use gltf::buffer::Source;
+use gltf::khr_lights_punctual::Kind;
+use gltf::mesh::Mode;
+use gnomon_core::{Error, Result};
+use std::collections::HashSet;
+use std::path::Path;
+
+pub(super) fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
+    let place = path.display().to_string();
+    let file = parsed(bytes).map_err(|e| {
+        Error::bad_input(&place, format!("is no usable glTF 2.0 ({e})"), "export it again")
+    })?;
+    let mut reader =
+        Reader { path, place, buffers: Vec::new(), budget, scene: LoadedScene::default() };
+    reader.read_buffers(&file)?;
+    reader.read_nodes(&file.document)?;
+    Ok(reader.scene)
+}
+
+/// The validated document. Two things that gltf 1.4 does not check in time (found by fuzzing) are
+/// checked first: a GLB shorter than its own header, and the index of a primitive's accessor.
+fn parsed(bytes: &[u8]) -> std::result::Result<gltf::Gltf, String> {
+    let declared = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(4..8));
+    let declared = declared.and_then(|length| Some(u32::from_le_bytes(length.try_into().ok()?)));
+    if let Some(length) = declared.filter(|&length| length < 12) {
+        return Err(format!("the GLB says that it has {length} bytes, its header alone has 12"));
+    }
+    let unchecked = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
+    let (root, blob) = (unchecked.document.into_json(), unchecked.blob);
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let mut accessors = primitives.flat_map(|primitive| primitive.attributes.values());
+    if let Some(beyond) = accessors.find(|index| index.value() >= root.accessors.len()) {
+        let count = root.accessors.len();
+        return Err(format!("a primitive names accessor {} of {count}", beyond.value()));
+    }
+    let document = gltf::Document::from_json(root).map_err(|e| e.to_string())?;
+    Ok(gltf::Gltf { document, blob })
+}
+
+struct Reader<'p> {
+    path: &'p Path,
+    place: String,
+    buffers: Vec<Vec<u8>>,
+    budget: Budget,
+    scene: LoadedScene,
+}
+
+impl Reader<'_> {
+    fn bad(&self, at: &str, reason: impl Into<String>, fix: &str) -> Error {
+        Error::bad_input(format!("{}: {at}", self.place), reason, fix)
+    }
+
+    fn read_buffers(&mut self, file: &gltf::Gltf) -> Result<()> {
+        for buffer in file.buffers() {
+            let at = format!("{}: buffers[{}]", self.place, buffer.index());
+            let bytes = match buffer.source() {
+                Source::Bin => file.blob.clone().ok_or_else(|| {
+                    Error::bad_input(&at, "the GLB has no binary chunk", "export it again")
+                })?,
+                Source::Uri(uri) => match uri.strip_prefix("data:") {
+                    Some(data) => {
+                        let base64 = data.split_once(";base64,").map(|(_, text)| text);
+                        let base64 = base64.ok_or_else(|| {
+                            Error::bad_input(&at, "is a data URI without base64", "export it again")
+                        })?;
+                        self.budget.data_uri(&at, base64)?
+                    }
+                    None => self.budget.read_beside(self.path, &at, uri)?,
+                },
+            };
+            if (bytes.len() as u64) < buffer.length() as u64 {
+                let reason =
+                    format!("holds {} bytes, {} are declared", bytes.len(), buffer.length());
+                return Err(Error::bad_input(at, reason, "export it again"));
+            }
+            self.buffers.push(bytes);
+        }
+        Ok(())
+    }
+
+    /// Walks the node tree with a stack of its own; a node met twice is a cycle or a shared child.
+    fn read_nodes(&mut self, document: &gltf::Document) -> Result<()> {
+        let scene = document.default_scene().or_else(|| document.scenes().next());
+        let scene = scene.ok_or_else(|| self.bad("scenes", "there is none", "export a scene"))?;
+        let mut seen = HashSet::new();
+        let mut stack: Vec<_> = scene.nodes().map(|n| (n, Mat4::IDENTITY, 0)).collect();
+        stack.reverse();
+        while let Some((node, parent, depth)) = stack.pop() {
+            let at = format!("nodes[{}]", node.index());
+            if !seen.insert(node.index()) {
+                return Err(self.bad(&at, "is reached twice", "give each node one parent"));
+            }
+            if depth > self.budget.depth() {
+                let reason = format!("lies deeper than {} levels", self.budget.depth());
+                return Err(self.bad(&at, reason, "flatten the scene"));
+            }
+            let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
+            if !world.is_finite() || world.determinant() == 0.0 {
+                let reason = "its matrix is singular or not finite";
+                if self.budget.is_lenient() {
+                    self.scene
+                        .notes
+                        .push(format!("{at} and what hangs on it are left out: {reason}"));
+                    continue;
+                }
+                return Err(self.bad(&at, reason, "repair the node, or take --lenient"));
+            }
+            self.read_node(&node, world)?;
+            let children: Vec<_> = node.children().collect();
+            stack.extend(children.into_iter().rev().map(|child| (child, world, depth + 1)));
+        }
+        Ok(())
+    }
+
+    fn read_node(&mut self, node: &gltf::Node<'_>, world: Mat4) -> Result<()> {
+        if let Some(mesh) = node.mesh() {
+            for primitive in mesh.primitives() {
+                self.read_primitive(node, &mesh, &primitive, world)?;
+            }
+        }
+        if let Some(light) = node.light() {
+            self.read_light(&light, world);
+        }
+        if let (Some(camera), None) = (node.camera(), self.scene.camera) {
+            self.read_camera(&camera, world);
+        }
+        Ok(())
+    }
+
+    fn read_primitive(
+        &mut self,
+        node: &gltf::Node<'_>,
+        mesh: &gltf::Mesh<'_>,
+        primitive: &gltf::Primitive<'_>,
+        world: Mat4,
+    ) -> Result<()> {
+        let at = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
+        let place = format!("{}: {at}", self.place);
+        if primitive.mode() != Mode::Triangles {
+            self.scene.notes.push(format!("{at} is drawn as {:?}, left out", primitive.mode()));
+            return Ok(());
+        }
+        let positions = primitive.get(&gltf::Semantic::Positions);
+        let positions =
+            positions.ok_or_else(|| self.bad(&at, "has no positions", "export it again"))?;
+        self.budget.vertices(&place, accessor::count(&positions))?;
+        let positions = accessor::positions(&place, &positions, &self.buffers)?;
+        let indices = match primitive.indices() {
+            Some(indices) => {
+                self.budget.indices(&place, accessor::count(&indices))?;
+                accessor::indices(&place, &indices, &self.buffers)?
+            }
+            None => (0..positions.len() as u32).collect(),
+        };
+        let (given, colour) = ((positions, indices), base_colour(primitive));
+        let mesh_out = repair::mesh(&place, given, colour, &self.budget, &mut self.scene.notes)?;
+        let name = node.name().or(mesh.name()).unwrap_or("mesh");
+        let part = format!("{name}#{}", self.scene.parts.len());
+        self.scene.parts.push((part, mesh_out, world));
+        Ok(())
+    }
+
+    fn read_light(&mut self, light: &gltf::khr_lights_punctual::Light<'_>, world: Mat4) {
+        let cone_degrees = match light.kind() {
+            Kind::Directional => None,
+            Kind::Spot { outer_cone_angle, .. } => {
+                Some(2.0 * f64::from(outer_cone_angle) * 180.0 / std::f64::consts::PI)
+            }
+            Kind::Point => {
+                self.scene.notes.push(format!(
+                    "lights[{}] is a point light, which needs six maps: left out",
+                    light.index()
+                ));
+                return;
+            }
+        };
+        if self.scene.light.is_some() {
+            self.scene.notes.push(format!("lights[{}] is not the first, left out", light.index()));
+            return;
+        }
+        self.scene.light = Some(LoadedLight {
+            position: position(world),
+            direction: axis(world, Vec3::NEG_Z),
+            cone_degrees,
+        });
+    }
+
+    fn read_camera(&mut self, camera: &gltf::Camera<'_>, world: Mat4) {
+        if let gltf::camera::Projection::Perspective(lens) = camera.projection() {
+            self.scene.camera = Some(LoadedCamera {
+                position: position(world),
+                direction: axis(world, Vec3::NEG_Z),
+                up: axis(world, Vec3::Y),
+                fovy_degrees: f64::from(lens.yfov()) * 180.0 / std::f64::consts::PI,
+            });
+        }
+    }
+}
+
+fn base_colour(primitive: &gltf::Primitive<'_>) -> Vec3 {
+    let [r, g, b, _] = primitive.material().pbr_metallic_roughness().base_color_factor();
+    Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+fn position(world: Mat4) -> DVec3 {
+    world.w_axis.truncate().as_dvec3()
+}
+
+fn axis(world: Mat4, local: Vec3) -> DVec3 {
+    let v = world.transform_vector3(local).as_dvec3();
+    v / gnomon_core::view::length(v)
+}
