@@ -182,8 +182,12 @@ fn hostile(folders: u64, force: bool) -> [u32; 2] {
         let written = |name: &str, bytes: &Vec<u8>| {
             let below = name.strip_prefix("o/").unwrap_or_default();
             let replaced = force && (below == "manifest.json" || NEW.contains(&below));
+            // A manifest that nothing tells from one of ours may be replaced; what it lists may not.
+            let text = String::from_utf8_lossy(bytes);
+            let sound = text.contains("\"ln/a\"") && text.contains("\"seed\": 0");
             ours.get(below) == Some(bytes)
                 || below == ".publish.tmp" && bytes.ends_with(b"\"\n}\n")
+                || below == "manifest.json" && sound
                 || replaced
         };
         for (name, bytes) in before.iter().filter(|(name, bytes)| !written(name, bytes)) {
