@@ -1,6 +1,7 @@
 //! The small TOML beside a scene file: light, camera, map and look-up that the file does not say.
 
-use super::pipeline::{CompareRule, Cull, Filter, TexelFormat, Wrap};
+use super::pipeline::{CompareRule, Cull, Filter, Wrap};
+use super::texel::TexelFormat;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::DeviceProfile;
 use crate::{Error, Result};

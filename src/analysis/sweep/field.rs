@@ -5,7 +5,8 @@ use super::receivers::Receivers;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
-use crate::scene::Case;
+use crate::raster::passes::Subject;
+use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
@@ -142,6 +143,35 @@ impl<'a> Field<'a> {
             gradient: sample.gradient,
             map_size: size,
         }
+    }
+
+    /// The receiver in the middle of the list: where units are converted. `None` where there is none.
+    #[must_use]
+    pub fn middle(&self) -> Option<&Sample> {
+        self.samples.get(self.samples.len() / 2)
+    }
+
+    /// What a polygon offset multiplies on the receiver's own triangle in a map of `size`² texels of a
+    /// format: slope m and unit r, window depth, as the sweeps draw it.
+    #[must_use]
+    pub fn offset_terms(&self, sample: &Sample, size: u32, format: TexelFormat) -> [f32; 2] {
+        let Subject { device, .. } = &self.observer.subject;
+        let setup = self.observer.subject.map_setup(sample.receiver.triangle, size);
+        let attachment = self.case().map.with(size, format).attachment();
+        [setup.max_slope(device), setup.resolvable(device, attachment)]
+    }
+
+    /// The smallest positive unit r among the triangles that receivers lie on; 2⁻²⁴ where there is none.
+    #[must_use]
+    pub fn smallest_resolvable(&self, size: u32, format: TexelFormat) -> f64 {
+        let attachment = self.case().map.with(size, format).attachment();
+        let subject = &self.observer.subject;
+        let unit = |t: u32| subject.map_setup(t, size).resolvable(&subject.device, attachment);
+        let mut triangles: Vec<u32> = self.samples.iter().map(|s| s.receiver.triangle).collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        let least = triangles.into_iter().map(unit).filter(|&r| r > 0.0).fold(f32::MAX, f32::min);
+        if least < f32::MAX { least.into() } else { crate::num::exp2(-24) }
     }
 
     /// Whose surface a stored triangle is to a receiver.

@@ -1,6 +1,6 @@
 //! What a swept amount looks like: classified pictures along the bias axis and EXR layers.
 
-use super::chart::{Attachment, Chart, usable_filter};
+use super::chart::{Attachment, Chart};
 use super::field::Field;
 use super::looks::Looks;
 use super::tally::Kind;
@@ -49,7 +49,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
     #[must_use]
     pub fn new(field: &'f Field<'a>, format: TexelFormat, step: u32) -> Self {
         let case = field.case();
-        let filter = usable_filter(case.lookup.filter, format);
+        let filter = format.usable(case.lookup.filter);
         let chart = Chart::new(field, case.map.size, filter, Attachment::of(format));
         let [width, height] = case.canvas.map(|n| n.div_ceil(step));
         // The top row comes first.

@@ -133,7 +133,7 @@ fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
         Cell::from(s.filter.name()),
         Cell::from(s.strategy.name()),
         Cell::number(at.map(|p| f64::from(p.amount))),
-        Cell::from(s.strategy.unit()),
+        Cell::from(s.strategy.unit().name()),
         at.map_or(Cell::Missing, |p| share(p.tally.false_shadow(), s.populations[0])),
         at.map_or(Cell::Missing, |p| share(p.tally.false_light(), s.populations[1])),
         Cell::number(at.map(|p| p.gap / texel)),

@@ -76,7 +76,7 @@ impl<'p> Worker<'p> {
         let facts = CaseSweep::of(field, plan);
         let one = |filter: &Option<_>| {
             let filter = filter.unwrap_or(case.lookup.filter);
-            sweep_size(field, size_of(plan, item), filter, plan, facts.world_per_window)
+            sweep_size(field, size_of(plan, item), filter, plan)
         };
         let swept: Vec<Vec<Swept>> = plan.filters.par_iter().map(one).collect();
         let stored = Stored {
