@@ -231,7 +231,7 @@ fn a_spot_needs_one_window_bias_everywhere() {
     let chart = Chart::new(&field, SIZE, Filter::Nearest, Attachment::Depth);
     let question = Question { amounts: &[0.0], max_acne: 0.0 };
     let swept = sweep(&chart, case.map.texel, Strategy::Constant, &question);
-    let rate = swept.points[0].tally.of(Kind::Acne) as f64 / swept.populations[0] as f64;
+    let rate = swept.points[0].tally.of(Kind::ACNE) as f64 / swept.populations[0] as f64;
     assert!((rate - 0.5).abs() < 0.01, "half of the plane is dark without a bias: {rate}");
 }
 

@@ -170,10 +170,10 @@ fn value_families_equal_the_literal_counts_of_every_receiver() {
                 }
                 if let Some(point) = swept.acne_free {
                     assert_eq!(point.tally, tally(strategy, point.amount), "{name} {strategy}");
-                    assert_eq!(point.tally.of(Kind::Acne), 0, "{name} {strategy}");
+                    assert_eq!(point.tally.of(Kind::ACNE), 0, "{name} {strategy}");
                 }
                 if let Some(amount) = swept.detachment {
-                    let panned = tally(strategy, amount).of(Kind::PeterPanning);
+                    let panned = tally(strategy, amount).of(Kind::PETER_PANNING);
                     assert!(panned > 0, "{name} {strategy}: nothing is lost at {amount}");
                 }
             }
@@ -219,7 +219,7 @@ fn every_strategy_ends_acne_on_a_plane_or_its_reach_says_why() {
             let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, &scales(16.0));
             let question = Question { amounts: &amounts, max_acne: 0.0 };
             let swept = sweep(&chart, case.map.texel, strategy, &question);
-            let acne = swept.points[0].tally.of(Kind::Acne);
+            let acne = swept.points[0].tally.of(Kind::ACNE);
             let none_at_zero = matches!(
                 strategy,
                 Strategy::FrontCulling

@@ -68,7 +68,7 @@ impl<'f, 'a> Charts<'f, 'a> {
 /// The smallest amount of a strategy that ends acne.
 fn critical(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy) -> Option<f64> {
     let curve = Taps::on(chart, format, strategy).curve_on(chart, format, strategy);
-    curve.quiet_from(0, Kind::Acne).map(f64::from)
+    curve.quiet_from(0, Kind::ACNE).map(f64::from)
 }
 
 impl Budget {
@@ -149,7 +149,7 @@ fn slope_need(chart: &Chart<'_, '_>) -> f64 {
     let format = TexelFormat::Depth(DepthFormat::F32);
     let looks = chart.looks(format, &Strategy::Constant.with(0.0));
     let rule = field.case().lookup.compare;
-    let acne = |look: &super::sweep::looks::Looks| look.verdict(rule, 0.0).0 == Some(Kind::Acne);
+    let acne = |look: &super::sweep::looks::Looks| look.verdict(rule, 0.0).0 == Some(Kind::ACNE);
     let needs = field.samples.iter().zip(&looks).filter(|(_, l)| acne(l)).map(|(s, _)| {
         let need = (s.gradient.x.abs() + s.gradient.y.abs()) / (2.0 * f64::from(size));
         if need.is_finite() { need } else { 0.0 }

@@ -84,15 +84,15 @@ impl Measured {
         };
         let taps = Taps::on(chart, format, Strategy::Constant);
         let curve = taps.curve(&looks, case.lookup.compare);
-        let critical = curve.quiet_from(0, Kind::Acne);
+        let critical = curve.quiet_from(0, Kind::ACNE);
         let own = curve.at(&[case.bias])[0];
         let [lit, shadowed] = field.populations.map(|n| n.max(1) as f64);
         Self {
             format,
             reversed,
             critical,
-            acne: own.of(Kind::Acne) as f64 / lit,
-            faults: own.of(Kind::EncodingFault) as f64 / lit,
+            acne: own.of(Kind::ACNE) as f64 / lit,
+            faults: own.of(Kind::ENCODING_FAULT) as f64 / lit,
             false_light: own.false_light() as f64 / shadowed,
             gap: critical.map(|b| curve.gaps_at(&[b])[0]),
             quantum_world: quantum_world(field, format, reversed),

@@ -77,7 +77,7 @@ impl Entry {
             errors: Errors {
                 false_shadow: share(point.tally.shadow, swept.populations[0]),
                 false_light: share(point.tally.light, swept.populations[1]),
-                peter_panning: match point.tally.of(Kind::PeterPanning) {
+                peter_panning: match point.tally.of(Kind::PETER_PANNING) {
                     0 => 0.0,
                     _ => point.gap,
                 },

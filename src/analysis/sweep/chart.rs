@@ -1,8 +1,8 @@
 //! One raster of one map size: everything that formats and biases read from it.
 
+use super::drawn::{Drawn, Known};
 use super::field::Field;
 use super::reads::{Reads, wanted_texels};
-use super::store::{Drawn, Known};
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;

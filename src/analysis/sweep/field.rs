@@ -1,7 +1,8 @@
 //! The receivers of a case with their truth: found once, looked up under every map, format and bias.
 
-use super::moves::{self, Moves};
+use super::moves::Moves;
 use super::receivers::Receivers;
+pub use super::receivers::Sample;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
@@ -13,31 +14,6 @@ use crate::view::length;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// One counted receiver.
-#[derive(Clone, Debug)]
-pub struct Sample {
-    /// Pixel of the canvas, from the bottom left.
-    pub pixel: [u32; 2],
-    /// Where it is.
-    pub receiver: Receiver,
-    /// Map coordinates and depth as the subject computes them.
-    pub coord: [f32; 3],
-    /// The same, f64.
-    pub exact: DVec3,
-    /// What it truly sees.
-    pub answer: Answer,
-    /// Whether it is truly lit.
-    pub lit: bool,
-    /// Window depth between it and its first occluder; +∞ where it has none.
-    pub gap: f64,
-    /// Way on the surface towards the light until the true shadow ends, world units; 0 for the lit.
-    pub inside: f64,
-    /// Unit normal on the side that is seen.
-    pub normal: DVec3,
-    /// Window depth of its plane per unit of u and v.
-    pub gradient: DVec2,
-}
 
 /// All counted receivers of a case.
 #[derive(Debug)]
@@ -104,11 +80,21 @@ impl<'a> Field<'a> {
     pub fn looking_from(&self, recipe: &Recipe, size: u32) -> Self {
         let of = |sample: &Sample| {
             let offset = recipe.receiver_offset(&self.site(sample, size));
-            let coord = moves::moved(self, sample, offset).unwrap_or(sample.coord);
+            let coord = self.moved(sample, offset).unwrap_or(sample.coord);
             Sample { coord, ..sample.clone() }
         };
         let samples = self.samples.iter().map(of).collect();
         Self::of(self.observer.clone(), samples)
+    }
+
+    /// The subject's own coordinates of a receiver plus the change of the exact ones, one rounding each;
+    /// `None` behind the light.
+    pub(super) fn moved(&self, sample: &Sample, offset: DVec3) -> Option<[f32; 3]> {
+        let position = sample.receiver.position + offset;
+        let light = &self.case().light;
+        let window = light.window_from_world(&self.observer.clip_from_world, position)?;
+        let change = (window - sample.exact).as_vec3().to_array();
+        Some(std::array::from_fn(|i| sample.coord[i] + change[i]))
     }
 
     /// Whether what no result depends on is left out.

@@ -2,8 +2,9 @@
 //! of some formats.
 
 use super::chart::{Attachment, Chart};
+use super::drawn::{Drawn, Places};
 use super::field::Field;
-use super::store::{Drawn, Places, Store};
+use super::store::Store;
 use crate::analysis::classify::StoredCaster;
 use crate::depth::DepthFormat;
 use crate::raster::{Fragments, NO_TRIANGLE, Resolve};

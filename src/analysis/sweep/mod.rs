@@ -1,7 +1,7 @@
 //! Sweeps: every format, filter and bias strategy of a case from one raster per map size and one truth.
 //!
 //! [`field`] finds the receivers and their truth once. A [`chart`] draws the casters for one map size; it
-//! knows which texels each receiver reads (`reads`) and what a format keeps there (`maps`, `store`).
+//! knows which texels each receiver reads (`reads`), what is drawn (`drawn`, `maps`) and kept there (`store`).
 //! [`evaluate`] takes a strategy along its amounts: biases of the taps by the breakpoints of all
 //! receivers, many at a time (`receivers`, `block`, `margins`), counted in a [`curve`]; all others value
 //! by value (`values`, [`wrong`]). The literal way keeps every comparison ([`looks`]): it is the arbiter.
@@ -9,6 +9,7 @@
 mod block;
 pub mod chart;
 pub mod curve;
+mod drawn;
 pub mod evaluate;
 pub mod field;
 pub mod gate;
@@ -16,6 +17,7 @@ pub mod looks;
 mod maps;
 mod margins;
 mod moves;
+mod moving;
 pub mod pictures;
 pub mod plan;
 pub(super) mod plots;
@@ -23,10 +25,12 @@ mod reading;
 mod reads;
 mod receivers;
 pub mod report;
+mod results;
 pub mod scales;
 pub mod shard;
 mod steps;
 mod store;
+mod swept;
 pub mod tally;
 pub mod taps;
 mod theory;
@@ -39,11 +43,12 @@ use crate::analysis::effort::Effort;
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::Strategy;
 use chart::{Attachment, Chart};
-pub use evaluate::{Point, Question, Swept, sweep};
+pub use evaluate::{Question, sweep};
 pub use field::Field;
 pub use plan::{Plan, Range};
 use rayon::prelude::*;
 pub use scales::{Scales, amounts};
+pub use swept::{Point, Swept};
 
 /// All sweeps of one case.
 #[derive(Clone, Debug)]

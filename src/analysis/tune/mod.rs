@@ -59,7 +59,7 @@ impl Tuned {
 
     /// Why no value of the parameter meets the target, in one sentence.
     fn reason(&self, populations: [u64; 2]) -> String {
-        let acne = |p: &&Point| p.tally.of(Kind::Acne);
+        let acne = |p: &&Point| p.tally.of(Kind::ACNE);
         let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
         let least = self.swept.points.iter().min_by_key(acne);
         least.map_or_else(String::new, |p| {
@@ -314,7 +314,7 @@ fn answer(
     let engine = request.engine;
     let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
     let default = rows.last().map_or_else(String::new, |(_, t)| {
-        let (shadow, light) = (share(t.of(Kind::Acne), 0), share(t.false_light(), 1));
+        let (shadow, light) = (share(t.of(Kind::ACNE), 0), share(t.false_light(), 1));
         format!(
             " The default leaves {shadow} of the lit with acne and {light} of the shadowed lit."
         )
@@ -324,7 +324,7 @@ fn answer(
             "Set {} to {}: acne falls to {} of the lit, false light is {} of the shadowed.{}{default}",
             t.knob.name,
             significant(value, 6),
-            share(point.tally.of(Kind::Acne), 0),
+            share(point.tally.of(Kind::ACNE), 0),
             share(point.tally.false_light(), 1),
             t.conflict(),
         ),
