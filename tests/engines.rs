@@ -1,7 +1,7 @@
 //! One bias in every engine's unit: worked numbers, and going to and fro.
 
 use gnomon::analysis::tune::{self, Request};
-use gnomon::depth::{DepthFormat, Packing};
+use gnomon::depth::DepthFormat;
 use gnomon::engines::{Engine, Place, Setting};
 use gnomon::report::{Block, Profile};
 use gnomon::scene::{Cull, Filter, TexelFormat, cases};
@@ -17,6 +17,7 @@ fn book() -> Place {
         texel_world: 0.057,
         cosine: 0.8,
         slope: 1e-5,
+        caster_slope: 1e-5,
         unit: 1.0 / 16_777_216.0,
         step: 1.0 / 65_536.0,
     }
@@ -127,16 +128,10 @@ proptest! {
 
 /// Every combination of what decides over a line.
 fn settings() -> Vec<Setting> {
-    let depths = DepthFormat::ALL.iter().map(|&f| TexelFormat::Depth(f));
-    let packed = Packing::ALL.iter().map(|&p| TexelFormat::Packed(p));
-    let formats: Vec<TexelFormat> = depths.chain(packed).collect();
     let mut list = Vec::new();
     for spot in [false, true] {
         for &filter in Filter::ALL {
-            for &cull in Cull::ALL {
-                let of = |&format: &TexelFormat| Setting { spot, filter, cull, format };
-                list.extend(formats.iter().map(of));
-            }
+            list.extend(Cull::ALL.iter().map(|&cull| Setting { spot, filter, cull }));
         }
     }
     list
@@ -144,19 +139,12 @@ fn settings() -> Vec<Setting> {
 
 /// Whether a parameter's line is known to be wrong: said once more, engine by engine.
 fn is_wrong(engine: Engine, name: &str, s: &Setting) -> bool {
-    let units = !matches!(
-        s.format,
-        TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::Unorm24 | DepthFormat::F32)
-    );
     match (engine, name) {
         (Engine::Hdrp | Engine::Cesium, _) => true,
         (Engine::Godot | Engine::Filament | Engine::Bevy | Engine::Unreal | Engine::Urp, _) => {
             s.spot
         }
         (Engine::Babylon, "bias") => s.filter == Filter::Nearest,
-        (_, "units" | "depthBiasConstantFactor" | "DepthBias" | "depthBias" | "shadowBias") => {
-            units
-        }
         _ => false,
     }
 }
@@ -223,7 +211,7 @@ fn no_withdrawn_line_reaches_a_report() {
                 let mut case = cases::named(name).unwrap();
                 (case.map.size, case.map.texel) = (64, TexelFormat::Depth(format));
                 case.canvas = [48, 36];
-                let setting = Setting::of(&case, case.lookup.filter, case.map.texel);
+                let setting = Setting::of(&case, case.lookup.filter);
                 let (max_acne, seed, command) = (0.05, 1, String::new());
                 let request =
                     Request { case, engine, max_acne, profile: Profile::Full, seed, command };

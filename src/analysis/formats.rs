@@ -2,7 +2,7 @@
 
 use super::measure::unmeasured;
 use super::measurement::share;
-use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
+use super::sweep::chart::{Attachment, Chart};
 use super::sweep::curve::Curve;
 use super::sweep::pictures::Gallery;
 use super::sweep::plots::thinned;
@@ -88,14 +88,14 @@ impl Measured {
         let taps = Taps::on(chart, format, Strategy::Constant);
         let curve = taps.curve(&looks, case.lookup.compare);
         let [lit, shadowed] = field.populations;
-        let critical = curve.quiet_from(0, Kind::Acne).filter(|_| lit > 0);
+        let critical = curve.quiet_from(0, Kind::ACNE).filter(|_| lit > 0);
         let own = curve.at(&[case.bias])[0];
         Self {
             format,
             reversed,
             critical,
-            acne: share(own.of(Kind::Acne) as u64, lit),
-            faults: share(own.of(Kind::EncodingFault) as u64, lit),
+            acne: share(own.of(Kind::ACNE) as u64, lit),
+            faults: share(own.of(Kind::ENCODING_FAULT) as u64, lit),
             false_light: share(own.false_light() as u64, shadowed),
             gap: critical.map(|b| curve.gaps_at(&[b])[0]),
             quantum_world: quantum_world(field, format, reversed),
@@ -151,15 +151,11 @@ fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<Option<f64>> {
     curve.at(&biases()).iter().map(wrong).collect()
 }
 
-/// One step of the format at the middle receiver. R8 and the book's packing keep 1/255: the book's
-/// four bytes lose what its first one rounds away.
+/// One step of the format at the middle receiver, world units.
 fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> Option<f64> {
     let middle = field.samples.get(field.samples.len() / 2)?;
     let z = middle.exact.z as f32;
-    let step = match format {
-        TexelFormat::Packed(Packing::R8 | Packing::Book) => 1.0 / 255.0,
-        format => quantum(format, if reversed { 1.0 - z } else { z }),
-    };
+    let step = format.step(if reversed { 1.0 - z } else { z });
     Some(step / field.site(middle, field.case().map.size).window_per_world)
 }
 
@@ -169,7 +165,7 @@ pub fn measure(field: &Field<'_>) -> Vec<Measured> {
     let case = field.case();
     let chart = |attachment| {
         let format = *FORMATS.iter().find(|&&f| Attachment::of(f) == attachment)?;
-        let filter = usable_filter(case.lookup.filter, format);
+        let filter = format.usable(case.lookup.filter);
         Some(Chart::new(field, case.map.size, filter, attachment))
     };
     let (depth, colour) = (chart(Attachment::Depth), chart(Attachment::Colour));
@@ -307,8 +303,9 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         let of = |f: TexelFormat| {
             formats.iter().find(|m| m.format == f && !m.reversed).and_then(|m| m.critical)
         };
+        let depth = |format| of(TexelFormat::Depth(format));
         criticals.extend(FORMATS.iter().map(|&f| of(f).map(f64::from)));
-        let (fine, finest) = (of(FORMATS[3]), of(FORMATS[6]));
+        let (fine, finest) = (depth(DepthFormat::Unorm16), depth(DepthFormat::F32));
         alike += usize::from(matches!((fine, finest), (Some(a), Some(b)) if a <= 1.1 * b));
         for m in &formats {
             table.push(row(case, m, texel));

@@ -197,8 +197,8 @@ fn causes(id: &str, m: &Measurement) -> Table {
     let rows = |kind: &str, w: &Wrongs| {
         let mut cells: Vec<Cell> =
             vec![kind.into(), Cell::count(w.count), Cell::share(w.rate), Cell::Number(w.weight, 4)];
-        cells.extend(Rung::ALL.iter().map(|r| Cell::count(w.by_cause[r.name()])));
-        cells.extend(Artifact::ALL.iter().map(|a| Cell::count(w.by_artifact[a.name()])));
+        cells.extend(Rung::ALL.iter().map(|r| Cell::count(w.by_cause[r])));
+        cells.extend(Artifact::ALL.iter().map(|a| Cell::count(w.by_artifact[a])));
         cells
     };
     let mut columns = vec![

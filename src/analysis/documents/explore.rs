@@ -1,9 +1,10 @@
 //! A case as an explorer: breakpoints, truth, artifacts and rungs of every receiver, for the page.
 
-use crate::analysis::classify::{Artifact, StoredCaster, false_light, false_shadow};
+use crate::analysis::classify::{Artifact, Kind, StoredCaster};
 use crate::analysis::ladder::Rung;
 use crate::analysis::measure::Measured;
 use crate::analysis::observe::{Observation, Observer, Standing};
+use crate::analysis::verdict::order;
 use crate::load::fit::YOURS;
 use crate::num::{from_ordinal, ordinal};
 use crate::report::explorer::{Class, Codes, Detail, Explorer, Field, Slider, Truth, Values, View};
@@ -16,9 +17,9 @@ const DETAIL_SIDE: u32 = 200;
 const LIT: u8 = 0;
 const SHADOWED: u8 = 1;
 const FIRST_ARTIFACT: u8 = 2;
-const NOT_COUNTED: u8 = 7;
-const AMBIGUOUS: u8 = 8;
-const BACKGROUND: u8 = 9;
+const NOT_COUNTED: u8 = FIRST_ARTIFACT + Artifact::ALL.len() as u8;
+const AMBIGUOUS: u8 = NOT_COUNTED + 1;
+const BACKGROUND: u8 = NOT_COUNTED + 2;
 
 /// The case at every constant bias, and its variants beside it.
 pub(super) fn explorer(
@@ -101,8 +102,9 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
     for o in &seen {
         let truth = truth(*o);
         view.truth.push(truth);
+        let centre = o.map_or(0, |o| o.taps.centre());
         let own = o.map_or(0, |o| o.breakpoints.len());
-        for tap in order(*o, own) {
+        for tap in order(centre, own) {
             view.breakpoints.push(o.map_or(f32::INFINITY, |o| o.breakpoints[tap]));
             view.codes.push(codes(observer, *o, tap));
         }
@@ -110,7 +112,7 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
         let missing = taps - own;
         let right = if truth == Truth::Lit { f32::NEG_INFINITY } else { f32::INFINITY };
         view.breakpoints.extend(std::iter::repeat_n(right, missing));
-        view.codes.extend(std::iter::repeat_n(codes(observer, *o, centre(*o)), missing));
+        view.codes.extend(std::iter::repeat_n(codes(observer, *o, centre), missing));
     }
     view.detail.every = width.max(height).div_ceil(DETAIL_SIDE);
     let every = view.detail.every;
@@ -121,17 +123,6 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
     view
 }
 
-/// The `taps` taps of a receiver, the centre tap first: it decides where it is wrong.
-fn order(o: Option<&Observation>, taps: usize) -> impl Iterator<Item = usize> {
-    let centre = centre(o);
-    let centre_first = (taps > 0).then_some(centre).into_iter();
-    centre_first.chain((0..taps).filter(move |tap| *tap != centre))
-}
-
-fn centre(o: Option<&Observation>) -> usize {
-    o.map_or(0, |o| o.taps.centre())
-}
-
 fn truth(o: Option<&Observation>) -> Truth {
     match o.and_then(Observation::truly_lit) {
         None => Truth::Apart,
@@ -140,8 +131,8 @@ fn truth(o: Option<&Observation>) -> Truth {
     }
 }
 
-fn artifact(artifact: Artifact) -> u8 {
-    FIRST_ARTIFACT + artifact as u8
+fn artifact(kind: Kind) -> u8 {
+    FIRST_ARTIFACT + kind.artifact() as u8
 }
 
 fn codes(observer: &Observer<'_>, o: Option<&Observation>, tap: usize) -> Codes {
@@ -153,7 +144,7 @@ fn codes(observer: &Observer<'_>, o: Option<&Observation>, tap: usize) -> Codes 
         (_, None) => apart(NOT_COUNTED),
         (_, Some(true)) => {
             let (stored, sound) = caster(o);
-            let shadowed = artifact(false_shadow(stored, sound));
+            let shadowed = artifact(Kind::false_shadow(stored, sound));
             Codes { shadowed, lit: LIT, lit_late: LIT, late: f32::INFINITY }
         }
         (_, Some(false)) => shadowed_codes(observer.case().lookup.compare, o, caster(o).0),
@@ -163,7 +154,7 @@ fn codes(observer: &Observer<'_>, o: Option<&Observation>, tap: usize) -> Codes 
 /// False light is named anew from the bias on that hides the occluder by itself.
 fn shadowed_codes(rule: CompareRule, o: &Observation, stored: StoredCaster) -> Codes {
     let late = exact_breakpoint(rule, o.exact.z, o.stored[Rung::Bias as usize]);
-    let lit = |wrong_on_bias| artifact(false_light(stored, wrong_on_bias));
+    let lit = |wrong_on_bias| artifact(Kind::false_light(stored, wrong_on_bias));
     Codes { shadowed: SHADOWED, lit: lit(false), lit_late: lit(true), late }
 }
 

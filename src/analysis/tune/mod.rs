@@ -6,10 +6,10 @@ mod words;
 
 use super::budget::Budget;
 use super::measure::unmeasured;
-use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
+use super::sweep::chart::{Attachment, Chart};
+use super::sweep::field::Sample;
 use super::sweep::tally::{Kind, Tally};
-use super::sweep::{Field, Question, Range, Swept, amounts, sweep};
-use crate::depth::DepthFormat;
+use super::sweep::{Field, Question, Range, Scales, Swept, amounts, sweep};
 use crate::engines::withdrawn::Withdrawal;
 use crate::engines::{Engine, Knob, Place, Setting};
 use crate::report::number::significant;
@@ -69,15 +69,12 @@ pub struct Tuned {
 /// A strategy along its amounts on a chart.
 fn swept(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy, max_acne: f64) -> Swept {
     let field = chart.field;
-    let middle = field.samples.get(field.samples.len() / 2);
-    let site = middle.map(|s| field.site(s, chart.size));
-    let world = site.map_or(1.0, |s| 1.0 / s.window_per_world);
     let range = Range { low: 1e-7, high: 1e-1, log: true, count: 100 };
-    let amounts = amounts(strategy, &range, world);
+    let amounts = amounts(strategy, &range, &Scales::on(field, chart.size, format, strategy));
     let mut swept = sweep(chart, format, strategy, &Question { amounts: &amounts, max_acne });
     // Where no bias meets the target none is needed, even if more of this one brings acne back.
     let limit = (max_acne * field.populations[0] as f64) as i64;
-    let none = swept.points.first().filter(|p| p.amount == 0.0 && p.tally.of(Kind::Acne) <= limit);
+    let none = swept.points.first().filter(|p| p.amount == 0.0 && p.tally.of(Kind::ACNE) <= limit);
     swept.acne_free = none.copied().filter(|_| field.populations[0] > 0).or(swept.acne_free);
     swept
 }
@@ -85,7 +82,7 @@ fn swept(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy, max_acn
 impl Tuned {
     fn new(chart: &Chart<'_, '_>, format: TexelFormat, knob: Knob, max_acne: f64) -> Self {
         let swept = swept(chart, format, knob.strategy, max_acne);
-        let setting = Setting::of(chart.field.case(), chart.filter, format);
+        let setting = Setting::of(chart.field.case(), chart.filter);
         let amount = swept.acne_free.map(|p| f64::from(p.amount));
         let outcome = match (amount, knob.withdrawn(&setting)) {
             (Some(0.0), _) => Outcome::NotNeeded,
@@ -123,27 +120,29 @@ impl Tuned {
 /// Where units are converted: the receiver in the middle of those counted.
 #[must_use]
 pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place> {
-    let sample = field.samples.get(field.samples.len() / 2)?;
+    Some(place_at(field, field.middle()?, size, format))
+}
+
+/// Where units are converted at one receiver. A polygon offset lifts its own triangle by the slope and the
+/// unit that the sweeps draw it with, so that an amount times its lever is the window depth swept.
+#[must_use]
+pub fn place_at(field: &Field<'_>, sample: &Sample, size: u32, format: TexelFormat) -> Place {
     let light = &field.case().light;
     let site = field.site(sample, size);
     let (near, far) = light.projection.near_far();
     let z = light.axial_distance(sample.receiver.position);
-    let unit = match format {
-        TexelFormat::Depth(DepthFormat::Unorm16) => crate::num::exp2(-16),
-        TexelFormat::Depth(DepthFormat::Unorm8) | TexelFormat::Packed(_) => crate::num::exp2(-16),
-        TexelFormat::Depth(DepthFormat::F16) => crate::num::exp2(-11),
-        TexelFormat::Depth(_) => crate::num::exp2(-24),
-    };
-    Some(Place {
+    let [caster_slope, unit] = field.offset_terms(sample, size, format).map(f64::from);
+    Place {
         near,
         far,
         distance: (!light.is_directional()).then_some(z),
         texel_world: site.texel_world,
         cosine: site.normal.dot(site.to_light).clamp(1e-6, 1.0),
         slope: receiver_slope(site.gradient, size),
+        caster_slope,
         unit,
-        step: quantum(format, sample.coord[2]),
-    })
+        step: format.step(sample.coord[2]),
+    }
 }
 
 /// The measured setting of an engine's defaults: casters' and receivers' hooks together.
@@ -192,7 +191,7 @@ impl<'r> Answer<'r> {
         let tune = |knob| Tuned::new(chart, format, knob, request.max_acne);
         let mut tuned: Vec<Tuned> = knobs.into_iter().map(tune).collect();
         tuned.sort_by_key(Tuned::merit);
-        let setting = Setting::of(&request.case, chart.filter, format);
+        let setting = Setting::of(&request.case, chart.filter);
         let no_default = engine.default_withdrawn(&setting);
         let row = |t: &Tuned| {
             let name = match t.outcome {
@@ -300,7 +299,7 @@ pub fn report(request: &Request) -> Report {
     let step = if request.profile == Profile::Quick { 4 } else { 1 };
     let field = Field::new(case, step);
     let format = case.map.texel;
-    let filter = usable_filter(case.lookup.filter, format);
+    let filter = format.usable(case.lookup.filter);
     let chart = Chart::new(&field, case.map.size, filter, Attachment::of(format));
     let answer = Answer::new(request, &chart, format);
     let none = (field.populations == [0, 0]).then(|| unmeasured(case, step));

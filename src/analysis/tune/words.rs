@@ -23,7 +23,7 @@ impl Answer<'_> {
         match t.outcome {
             Outcome::Set(_) => String::new(),
             Outcome::NotNeeded => {
-                let acne = t.swept.acne_free.map_or(0, |p| p.tally.of(Kind::Acne));
+                let acne = t.swept.acne_free.map_or(0, |p| p.tally.of(Kind::ACNE));
                 format!(
                     "{name}: no bias is needed, without any there is acne on {}.",
                     self.share(acne, 0)
@@ -59,13 +59,13 @@ impl Answer<'_> {
 
     /// What a parameter leaves at best, where it does not meet the target.
     fn least(&self, t: &Tuned) -> String {
-        let least = t.swept.points.iter().min_by_key(|p| p.tally.of(Kind::Acne));
+        let least = t.swept.points.iter().min_by_key(|p| p.tally.of(Kind::ACNE));
         least.map_or_else(String::new, |p| {
             format!(
                 "{} alone cannot do it: at best, at {}, it leaves {} with acne and lights {}.",
                 t.knob.name,
                 significant(t.knob.value(p.amount.into()), 4),
-                self.share(p.tally.of(Kind::Acne), 0),
+                self.share(p.tally.of(Kind::ACNE), 0),
                 self.share(p.tally.false_light(), 1),
             )
         })
@@ -102,7 +102,7 @@ impl Answer<'_> {
             return format!(" What the default leaves is not said: {}; {}.", w.why, w.instead);
         }
         let leaves = |t: &Tally| {
-            let (shadow, light) = (self.share(t.of(Kind::Acne), 0), self.share(t.false_light(), 1));
+            let (shadow, light) = (self.share(t.of(Kind::ACNE), 0), self.share(t.false_light(), 1));
             format!(" The default leaves {shadow} with acne and {light} lit.")
         };
         self.rows.last().map_or_else(String::new, |(_, tally)| leaves(tally))
@@ -120,7 +120,7 @@ impl Answer<'_> {
             return format!("{}{half}{default}", self.refusal());
         };
         let (acne, light) = t.swept.acne_free.map_or_else(Default::default, |p| {
-            (self.share(p.tally.of(Kind::Acne), 0), self.share(p.tally.false_light(), 1))
+            (self.share(p.tally.of(Kind::ACNE), 0), self.share(p.tally.false_light(), 1))
         });
         let conflict = Self::conflict(t);
         match t.outcome {

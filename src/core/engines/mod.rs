@@ -163,7 +163,7 @@ impl Engine {
             }
             Self::Playcanvas => {
                 let bias = knob("shadowBias", S::RasterPlaycanvas, 1.0, 0.05);
-                vec![bias.within(0.0, 1.0).without(withdrawn::UNITS)]
+                vec![bias.within(0.0, 1.0)]
             }
             Self::Cesium => vec![
                 knob("depthBias", S::Constant, 1.0, 1e-4).without(withdrawn::CESIUM),
@@ -172,20 +172,20 @@ impl Engine {
             Self::Gl => {
                 vec![
                     knob("factor", S::SlopeRaster, 1.0, 0.0),
-                    knob("units", S::RasterUnits, 1.0, 0.0).without(withdrawn::UNITS),
+                    knob("units", S::RasterUnits, 1.0, 0.0),
                 ]
             }
             Self::Vulkan => vec![
                 knob("depthBiasSlopeFactor", S::SlopeRaster, 1.0, 0.0),
-                knob("depthBiasConstantFactor", S::RasterUnits, 1.0, 0.0).without(withdrawn::UNITS),
+                knob("depthBiasConstantFactor", S::RasterUnits, 1.0, 0.0),
             ],
             Self::D3d12 => vec![
                 knob("SlopeScaledDepthBias", S::SlopeRaster, 1.0, 0.0),
-                knob("DepthBias", S::RasterUnits, 1.0, 0.0).whole().without(withdrawn::UNITS),
+                knob("DepthBias", S::RasterUnits, 1.0, 0.0).whole(),
             ],
             Self::Webgpu => vec![
                 knob("depthBiasSlopeScale", S::SlopeRaster, 1.0, 0.0),
-                knob("depthBias", S::RasterUnits, 1.0, 0.0).whole().without(withdrawn::UNITS),
+                knob("depthBias", S::RasterUnits, 1.0, 0.0).whole(),
             ],
         }
     }

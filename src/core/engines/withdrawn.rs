@@ -1,7 +1,6 @@
 //! Lines that are known to be wrong and are not printed until they are mended: when, why, what instead.
 
-use crate::depth::DepthFormat;
-use crate::scene::{Case, Cull, Filter, TexelFormat};
+use crate::scene::{Case, Cull, Filter};
 
 /// What decides whether a line is known to be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,15 +11,13 @@ pub struct Setting {
     pub filter: Filter,
     /// Which faces are left out of the map.
     pub cull: Cull,
-    /// What a texel holds.
-    pub format: TexelFormat,
 }
 
 impl Setting {
-    /// The setting of a case under another filter and format.
+    /// The setting of a case under another filter.
     #[must_use]
-    pub fn of(case: &Case, filter: Filter, format: TexelFormat) -> Self {
-        Self { spot: !case.light.is_directional(), filter, cull: case.map.cull, format }
+    pub fn of(case: &Case, filter: Filter) -> Self {
+        Self { spot: !case.light.is_directional(), filter, cull: case.map.cull }
     }
 }
 
@@ -37,8 +34,6 @@ pub enum When {
     Unfiltered,
     /// Where front faces are drawn into the map.
     FrontFaces,
-    /// Where the format's unit of polygon offset is not that of 16 or 24 bits or of 32-bit float.
-    OtherUnit,
 }
 
 /// A line that is not printed.
@@ -62,10 +57,6 @@ impl Withdrawal {
             When::Spot => setting.spot,
             When::Unfiltered => matches!(setting.filter, Filter::Nearest),
             When::FrontFaces => !matches!(setting.cull, Cull::Front),
-            When::OtherUnit => !matches!(
-                setting.format,
-                TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::Unorm24 | DepthFormat::F32)
-            ),
         }
     }
 }
@@ -83,12 +74,6 @@ const fn one(when: When, why: &'static str, instead: &'static str) -> [Withdrawa
     [Withdrawal { when, why, instead }]
 }
 
-/// Polygon offset in units r.
-pub(super) const UNITS: &[Withdrawal] = &one(
-    When::OtherUnit,
-    "the unit r of polygon offset in this format is not settled yet",
-    "use unorm16, unorm24 or f32, or set it by eye",
-);
 pub(super) const BABYLON: &[Withdrawal] = &one(
     When::Unfiltered,
     "in its default mode, without a filter, Babylon adds the bias to another depth, which is not expressed yet",
@@ -163,14 +148,11 @@ pub(super) const DEFAULT_HDRP: &[Withdrawal] =
     &one(When::Always, "HDRP's own factors are not expressed yet", PUBLIC_DEFAULT);
 pub(super) const DEFAULT_UNREAL: &[Withdrawal] =
     &one(When::Spot, "Unreal's spots are not expressed yet", PUBLIC_DEFAULT);
-pub(super) const DEFAULT_PLAYCANVAS: &[Withdrawal] = &[
-    Withdrawal {
-        when: When::Directional,
-        why: "PlayCanvas moves receivers under a directional light too, which is not expressed yet",
-        instead: PUBLIC_DEFAULT,
-    },
-    UNITS[0],
-];
+pub(super) const DEFAULT_PLAYCANVAS: &[Withdrawal] = &one(
+    When::Directional,
+    "PlayCanvas moves receivers under a directional light too, which is not expressed yet",
+    PUBLIC_DEFAULT,
+);
 pub(super) const DEFAULT_CESIUM: &[Withdrawal] = &one(
     When::Always,
     "models have other defaults than the terrain, which are not expressed yet",

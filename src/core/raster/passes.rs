@@ -3,7 +3,7 @@
 use super::{Interpolator, Pass, PolygonOffset, Projected, Raster, Setup, draw};
 use crate::depth::DepthFormat;
 use crate::device::Device;
-use crate::scene::{Case, DepthBuffer, MatrixChain, Stages, TexelFormat};
+use crate::scene::{Case, MatrixChain, Stages};
 use crate::shadow::ShadowMap;
 use glam::{DVec3, Vec4};
 
@@ -48,11 +48,7 @@ impl Transformed {
 /// The format whose codes the map pass' depth test compares.
 #[must_use]
 pub fn map_depth_buffer(case: &Case) -> DepthFormat {
-    match (case.map.depth_buffer, case.map.texel) {
-        (DepthBuffer::Unorm16, _) => DepthFormat::Unorm16,
-        (DepthBuffer::Texture, TexelFormat::Depth(format)) => format,
-        (DepthBuffer::Texture, TexelFormat::Packed(_)) => DepthFormat::F32,
-    }
+    case.map.attachment()
 }
 
 /// Draws the case's casters into its map under a given depth attachment.
@@ -112,6 +108,14 @@ impl<'a> Subject<'a> {
         let corners = self.vertices.triangles[triangle as usize];
         let clip = corners.map(|v| self.vertices.camera_clip[v as usize]);
         Setup::new(&self.device, self.canvas.size, clip)
+    }
+
+    /// The set-up of a triangle as the light sees it in a map of `size`² texels.
+    #[must_use]
+    pub fn map_setup(&self, triangle: u32, size: u32) -> Setup {
+        let corners = self.vertices.triangles[triangle as usize];
+        let clip = corners.map(|v| self.vertices.light_clip[v as usize]);
+        Setup::new(&self.device, [size; 2], clip)
     }
 
     /// What the camera pass interpolates over a triangle: the varying from which look-ups start.
