@@ -15,7 +15,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::num;
 use crate::output::{Lock, journal};
 use crate::report::{Profile, Report, Table, Written, write_index};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// Arguments that every experiment takes; flatten them into the binary's own.
 #[derive(Clone, Debug, clap::Args)]
@@ -35,6 +35,9 @@ pub struct Common {
     /// Worker threads; results do not depend on them [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Memory that the run may need [default: 8 GiB, or half of what the system allows if less]
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<memory::Size>,
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -60,7 +63,7 @@ impl Common {
     /// say where to write, with how many threads and from which parts.
     #[must_use]
     pub fn command(name: &str) -> String {
-        const ELSEWHERE: [&str; 4] = ["--out", "--json", "--threads", "--merge"];
+        const ELSEWHERE: [&str; 5] = ["--out", "--json", "--threads", "--merge", "--max-memory"];
         let mut arguments = std::env::args().skip(1).peekable();
         let mut kept = vec![name.to_string()];
         while let Some(argument) = arguments.next() {
@@ -88,6 +91,9 @@ impl Common {
         if let Some(folder) = &self.verify {
             division::verify(folder)?;
             std::process::exit(0);
+        }
+        if let Some(budget) = self.max_memory {
+            memory::set(budget);
         }
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();

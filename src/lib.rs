@@ -18,7 +18,7 @@
 //!
 //! | layer | modules |
 //! |---|---|
-//! | L0 | [`error`], [`catalogue`](mod@catalogue), [`num`], [`simd`] (the only `unsafe`) |
+//! | L0 | [`error`], [`catalogue`](mod@catalogue), [`num`], [`memory`], [`input`], [`simd`] (the only `unsafe`) |
 //! | L1 | [`depth`] (mappings, formats, packings, stores), [`view`] (matrices) |
 //! | L2 | [`device`], [`light`], [`camera`] |
 //! | L3 | [`scene`] (meshes, cases, the words of a pipeline) |
@@ -55,7 +55,9 @@ pub mod device;
 pub mod engines;
 pub mod error;
 pub mod harness;
+pub mod input;
 pub mod light;
+pub mod memory;
 pub mod num;
 pub mod output;
 pub mod raster;

@@ -183,7 +183,16 @@ fn the_second_of_two_processes_is_refused_within_a_second() {
 
 fn common(out: &Path) -> Common {
     let out = Some(out.to_path_buf());
-    Common { out, json: None, quick: true, full: false, threads: None, seed: 1, verify: None }
+    Common {
+        out,
+        json: None,
+        quick: true,
+        full: false,
+        threads: None,
+        seed: 1,
+        verify: None,
+        max_memory: None,
+    }
 }
 
 fn job() -> Job {

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layer::{Disk, FileLayer};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 
 const MAGIC: &[u8] = b"gnomon-journal-1\n";
 /// Bytes before a record's body: length and CRC.
@@ -83,7 +83,7 @@ impl Contents {
     }
 
     fn read(path: &Path, header: &Header) -> Result<(Self, usize)> {
-        let bytes = fs::read(path).map_err(|e| Error::read(path, e))?;
+        let bytes = input::read(path, input::DATA)?;
         let contents = Self::parse(&path.display().to_string(), &bytes)?;
         if contents.header == *header {
             return Ok((contents, bytes.len()));

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::page;
 use crate::output::{OutFile, publish};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 
 /// What an index shows of a report; read from its `report.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub fn write_index(folder: &Path) -> Result<PathBuf> {
 
 fn read(folder: &Path) -> Result<Entry> {
     let path = folder.join("report.json");
-    let text = fs::read(&path).map_err(|e| Error::read(&path, e))?;
+    let text = input::read(&path, input::DATA)?;
     let mut entry: Entry = serde_json::from_slice(&text).map_err(|e| {
         let reason = format!("is not a report summary ({e})");
         Error::bad_input(path.display().to_string(), reason, "run the experiment again")

@@ -7,6 +7,7 @@ pub mod fit;
 pub mod load;
 pub mod matrix;
 pub mod pipeline;
+pub mod range;
 pub mod shapes;
 
 use crate::camera::Camera;

@@ -1,8 +1,7 @@
 //! Reading files under limits, and only inside the scene's own folder.
 
-use crate::{Error, Result};
-use std::fs::{self, File};
-use std::io::Read;
+use crate::{Error, Result, input};
+use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// What a scene may cost. Checked before anything is allocated.
@@ -87,20 +86,10 @@ impl Budget {
         })
     }
 
-    /// A regular file's content, within the limits; pipes and devices are refused.
+    /// A regular file's content, within what is left of the limit; pipes and devices are refused.
     pub(super) fn read(&mut self, path: &Path) -> Result<Vec<u8>> {
-        let place = path.display().to_string();
-        let meta = fs::metadata(path).map_err(|e| Error::read(path, e))?;
-        if !meta.is_file() {
-            return Err(Error::bad_input(place, "is no regular file", "give a file"));
-        }
-        self.bytes(&place, meta.len())?;
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(|e| Error::read(path, e))?;
-        file.take(meta.len() + 1).read_to_end(&mut bytes).map_err(|e| Error::read(path, e))?;
-        if bytes.len() as u64 > meta.len() {
-            return Err(Error::bad_input(place, "grew while it was read", "try again"));
-        }
+        let bytes = input::read(path, self.limits.bytes - self.bytes)?;
+        self.bytes(&path.display().to_string(), bytes.len() as u64)?;
         Ok(bytes)
     }
 

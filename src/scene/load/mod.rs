@@ -12,8 +12,11 @@ mod files;
 mod gltf_file;
 mod obj_file;
 mod ply_file;
+mod polygons;
 mod repair;
+mod strips;
 
+use super::range;
 use super::shapes::Mesh;
 use crate::{Error, Result};
 use files::Budget;
@@ -105,5 +108,20 @@ fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
             "merge meshes",
         ));
     }
+    in_range(&path.display().to_string(), &scene)?;
     Ok(scene)
+}
+
+/// Refuses a scene whose world coordinates leave the range of the pipeline.
+fn in_range(place: &str, scene: &LoadedScene) -> Result<()> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (name, mesh, model) in &scene.parts {
+        let model = model.as_dmat4();
+        for (i, position) in mesh.positions.iter().enumerate() {
+            let p = model.transform_point3(position.as_dvec3());
+            range::point(|| format!("{place}: part '{name}': vertex {i} in the world"), p)?;
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
+    range::extent(&format!("{place}: the scene"), low, high)
 }

@@ -6,7 +6,7 @@ use crate::{Error, Result};
 use glam::Vec3;
 
 /// Whether a position can be worked with: a number within 10³⁰.
-fn is_sound(p: Vec3) -> bool {
+pub(super) fn is_sound(p: Vec3) -> bool {
     p.is_finite() && p.abs().max_element() <= 1e30
 }
 
