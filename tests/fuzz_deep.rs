@@ -166,7 +166,7 @@ impl Seen {
 
 #[test]
 fn most_scenes_reach_the_report_and_none_panics() {
-    let seen = Seen::of(0..120, scene);
+    let seen = Seen::of(0..64, scene);
     seen.say("scenes");
     assert_eq!(seen.panicked(), [0; 0], "seeds that panic");
     assert!(seen.share(Stage::Read) >= 0.5 && seen.share(Stage::Reported) >= 0.5, "too shallow");

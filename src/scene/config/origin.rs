@@ -51,6 +51,8 @@ impl Origin {
         let Error::BadInput { place, reason, fix } = error else { return error };
         let (key, value) = place.split_once(' ').unwrap_or((&place, ""));
         let (path, leaf) = key.rsplit_once('.').unwrap_or(("", key));
+        // The box of a projection is what the settings call its width.
+        let leaf = if leaf == "ortho" { "width" } else { leaf };
         let mut keys =
             leaf.split('/').map(|leaf| format!("{path}.{leaf}")).chain([key.to_string()]);
         let found = keys.find_map(|key| self.places.get(&key));
