@@ -51,10 +51,16 @@ enum Subject {
 
 impl Subject {
     fn of(text: &str) -> Result<Self> {
-        if text.ends_with(".json") || Path::new(text).is_file() {
-            return Ok(Self::Measured(Box::new(device_json::read(Path::new(text))?)));
+        let path = Path::new(text);
+        let known = text.parse().map(Self::Known);
+        match known.is_err() && path.exists()
+            || path.is_file()
+            || text.ends_with(".json")
+            || text == "-"
+        {
+            true => Ok(Self::Measured(Box::new(device_json::read(path)?))),
+            false => known,
         }
-        Ok(Self::Known(text.parse()?))
     }
 
     fn device(&self) -> Device {

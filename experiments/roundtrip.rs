@@ -1,11 +1,11 @@
 //! Does this pack/unpack pair lose bits, where, why, and on which hardware?
 
 use clap::Parser;
-use gnomon::Error;
 use gnomon::analysis::roundtrip::report::{self, Options};
 use gnomon::depth::Packing;
 use gnomon::depth::packing::TextPair;
 use gnomon::harness::{self, Common, Progress};
+use gnomon::{Error, input};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -86,7 +86,8 @@ fn fraction(t: f32) -> gnomon::Result<f32> {
 }
 
 fn read_pair(path: &Path) -> gnomon::Result<(String, TextPair)> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
-    let name = path.file_stem().map_or("pair".into(), |stem| stem.to_string_lossy().into_owned());
+    let text = input::text(path, input::SETTINGS)?;
+    let stem = path.file_stem().filter(|_| path != Path::new("-"));
+    let name = stem.map_or("pair".into(), |stem| stem.to_string_lossy().into_owned());
     Ok((name, TextPair::from_toml(&path.display().to_string(), &text)?))
 }

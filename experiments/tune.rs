@@ -1,6 +1,7 @@
 //! Which bias does this scene need, in this engine's own parameters?
 use clap::Parser;
 use gnomon::Result;
+use gnomon::analysis::need::Need;
 use gnomon::analysis::sweep::{gate, plan};
 use gnomon::analysis::tune::{self, Request};
 use gnomon::engines::Engine;
@@ -59,6 +60,7 @@ fn body(args: &Args) -> Result<()> {
     let format = args.format.as_deref().map_or(Ok(case.map.texel), plan::format_named)?;
     case.map = case.map.with(args.map.unwrap_or(case.map.size), format);
     case.lookup.filter = format.usable(args.filter.unwrap_or(case.lookup.filter));
+    Need::TUNE.check(&case, if args.common.quick { 4 } else { 1 })?;
     let (engine, profile, seed) = (args.engine, args.common.profile(), args.common.seed);
     let max_acne = gate::share(&args.max_acne)?;
     let command = Common::command("gnomon-tune");

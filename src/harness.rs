@@ -20,7 +20,7 @@ use crate::error::{is_control, printable, printable_lines, shown};
 use crate::num;
 use crate::output::{Disk, Lock, MANIFEST, Publication};
 use crate::report::{Profile, Report, Table, Written, write_index};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 use shell::quoted;
 use sink::Sink;
 
@@ -42,6 +42,9 @@ pub struct Common {
     /// Worker threads; results do not depend on them [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Memory that the run may need [default: 8 GiB, or half of what the system allows if less]
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<memory::Size>,
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -70,7 +73,7 @@ impl Common {
     /// say where to write, with how many threads and from which parts.
     #[must_use]
     pub fn command(name: &str) -> String {
-        const ELSEWHERE: [&str; 4] = ["--out", "--json", "--threads", "--merge"];
+        const ELSEWHERE: [&str; 5] = ["--out", "--json", "--threads", "--merge", "--max-memory"];
         let mut arguments = std::env::args_os().skip(1).peekable();
         let mut kept = vec![name.to_string()];
         while let Some(argument) = arguments.next() {
@@ -99,6 +102,9 @@ impl Common {
         if let Some(folder) = &self.verify {
             division::verify(folder)?;
             std::process::exit(0);
+        }
+        if let Some(budget) = self.max_memory {
+            memory::set(budget);
         }
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

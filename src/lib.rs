@@ -18,7 +18,7 @@
 //!
 //! | layer | modules |
 //! |---|---|
-//! | L0 | [`error`], [`catalogue`](mod@catalogue), [`num`], [`simd`] (the only `unsafe`) |
+//! | L0 | [`error`], [`catalogue`](mod@catalogue), [`num`], [`memory`], [`input`], [`simd`] (the only `unsafe`) |
 //! | L1 | [`depth`] (mappings, formats, packings, stores), [`view`] (matrices) |
 //! | L2 | [`device`], [`light`], [`camera`] |
 //! | L3 | [`scene`] (meshes, cases, the words of a pipeline) |
@@ -57,7 +57,7 @@ pub use gnomon_core::{
     truth, view,
 };
 pub use gnomon_load as load;
-pub use gnomon_page::{output, report};
+pub use gnomon_page::{input, memory, output, report};
 
 pub use error::{Error, Result};
 

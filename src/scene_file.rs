@@ -1,10 +1,49 @@
 //! A user's scene on the command line: the file, its settings and the flags that stand above them.
 
-use crate::Result;
 use crate::load::config::Settings;
-use crate::load::{self, Limits, fit};
+use crate::load::{self, Limits, LoadedScene, fit};
 use crate::scene::Case;
-use std::path::PathBuf;
+use crate::{Error, Result, input, memory};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Reads a scene file and the files that it names, which lie in its own folder, links resolved.
+///
+/// # Errors
+/// [`Error::BadInput`] or [`Error::Read`] in one sentence: file, place, reason, what to do.
+pub fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
+    parse(path, &input::read(path, limits.bytes)?, limits)
+}
+
+/// [`load`] with the bytes of the file at `path` given; files that they name are looked for beside it.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<LoadedScene> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    load::read(path, bytes, limits, &|name, most| beside(folder, name, most))
+}
+
+/// A file below a folder, through no link that leads out of it.
+fn beside(folder: &Path, name: &Path, most: u64) -> Result<Vec<u8>> {
+    let path = folder.join(name);
+    let resolve = |p: &Path| fs::canonicalize(p).map_err(|e| Error::read(p, e));
+    if !resolve(&path)?.starts_with(resolve(folder)?) {
+        return Err(Error::bad_input(
+            path.display().to_string(),
+            "leads outside the scene's folder",
+            "keep buffers beside the scene",
+        ));
+    }
+    input::read(&path, most)
+}
+
+fn settings_of(path: &Path) -> Result<Settings> {
+    Settings::parse(&path.display().to_string(), &input::text(path, input::SETTINGS)?)
+}
 
 /// A scene file and its light on the command line; flatten it into a binary's arguments.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -65,18 +104,18 @@ impl SceneFile {
         let Some(path) = &self.scene else { return Ok(None) };
         let beside = path.with_extension("toml");
         let mut settings = match &self.config {
-            Some(config) => Settings::read(config)?,
-            None if beside.is_file() => Settings::read(&beside)?,
+            Some(config) => settings_of(config)?,
+            None if beside.exists() => settings_of(&beside)?,
             None => Settings::default(),
         };
         if self.light_dir.is_some() || self.light_pos.is_some() {
-            settings.light.direction = self.light_dir;
-            settings.light.position = self.light_pos;
+            settings.override_light(self.light_dir, self.light_pos);
         }
         change(&mut settings);
         let name = path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned());
-        let limits = Limits { lenient: self.lenient, ..Limits::default() };
-        fit::case(&name, load::load(path, &limits)?, &settings).map(Some)
+        let memory = memory::budget();
+        let limits = Limits { lenient: self.lenient, memory, ..Limits::default() };
+        fit::case(&name, load(path, &limits)?, &settings).map(Some)
     }
 }
 
@@ -87,9 +126,40 @@ impl UserScene {
     /// As [`SceneFile::case`].
     pub fn case(&self) -> Result<Option<Case>> {
         self.file.case_with(|settings| {
+            let flags = [
+                ("map.size", "--map", self.map.is_some()),
+                ("map.format", "--format", self.format.is_some()),
+                ("lookup.bias", "--bias", self.bias.is_some()),
+            ];
+            for (key, flag, _) in flags.into_iter().filter(|flag| flag.2) {
+                settings.origin.override_by(key, &format!("{flag} ({key})"));
+            }
             settings.map.size = self.map.or(settings.map.size);
             settings.map.format = self.format.clone().or(settings.map.format.take());
             settings.lookup.bias = self.bias.or(settings.lookup.bias);
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_outside_the_folder_is_read() {
+        let outer = tempfile::tempdir().expect("a folder");
+        let folder = outer.path().join("scene");
+        fs::create_dir(&folder).expect("a folder");
+        fs::write(outer.path().join("secret.bin"), "secret").expect("a file");
+        fs::write(folder.join("good.bin"), "good").expect("a file");
+        let read = |name: &str| beside(&folder, Path::new(name), 100);
+        assert_eq!(read("good.bin").expect("inside"), b"good");
+        let message = read("../secret.bin").expect_err("outside").to_string();
+        assert!(message.contains("outside"), "{message}");
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../secret.bin", folder.join("link.bin")).expect("a link");
+            assert!(read("link.bin").expect_err("a link").to_string().contains("outside"));
+        }
     }
 }

@@ -10,6 +10,8 @@ const LAYERS: &[(&str, u8)] = &[
     ("error", 0),
     ("catalogue", 0),
     ("num", 0),
+    ("memory", 0),
+    ("input", 0),
     ("simd", 0),
     ("depth", 1),
     ("view", 1),

@@ -192,6 +192,7 @@ fn common(out: &Path) -> Common {
         seed: 1,
         force: false,
         verify: None,
+        max_memory: None,
     }
 }
 

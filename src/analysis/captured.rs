@@ -8,14 +8,15 @@
 //!   another format is named. Raw: little-endian codes: 4 bytes a texel for packings, `unorm24` (low 24
 //!   bits), `unorm32` and `f32`; 2 for `unorm16`, `f16` and `bf16`; 1 for `unorm8`.
 
+mod pictures;
+
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::scene::{Case, CompareRule, TexelFormat, matrix};
 use crate::shadow::ShadowMap;
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use glam::{DMat4, Mat4};
 use std::fs;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// A map to be looked up in place of the one that a case draws.
@@ -73,13 +74,13 @@ impl CapturedArguments {
             ));
         }
         let format = self.packing.as_deref().map(super::sweep::plan::format_named).transpose()?;
-        let bytes = fs::read(path).map_err(|e| Error::read(path, e))?;
+        let bytes = input::read(path, input::DATA)?;
         let place = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
         let device = case.device.device();
         let map = match extension.as_str() {
-            "png" => png(&place, &bytes, format, &device)?,
-            "exr" => exr(&place, bytes, format)?,
+            "png" => pictures::from_png(&place, &bytes, format, &device)?,
+            "exr" => pictures::from_exr(&place, bytes, format)?,
             "raw" => self.raw(&place, &bytes, format, &device)?,
             _ => {
                 let reason = format!("'.{extension}' is no map file known here");
@@ -188,79 +189,6 @@ fn bottom_up<T: Copy>(texels: &[T], side: u32) -> Vec<T> {
     texels.chunks_exact(side as usize).rev().flatten().copied().collect()
 }
 
-fn png(
-    place: &str,
-    bytes: &[u8],
-    format: Option<TexelFormat>,
-    device: &Device,
-) -> Result<ShadowMap> {
-    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
-    let mut limits = image::Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(LARGEST), Some(LARGEST));
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|e| {
-        Error::bad_input(place, format!("is no usable PNG ({e})"), "dump the map again")
-    })?;
-    let side = side(place, picture.width(), picture.height())?;
-    let sixteen = picture.color().bytes_per_pixel() / picture.color().channel_count() == 2;
-    let missing = || Error::bad_input(place, "does not say how it holds depth", "give --packing");
-    match format.ok_or_else(missing)? {
-        TexelFormat::Packed(packing) if !sixteen => {
-            let texels: Vec<[u8; 4]> = picture.to_rgba8().pixels().map(|p| p.0).collect();
-            Ok(ShadowMap::from_bytes(side, packing, bottom_up(&texels, side)))
-        }
-        TexelFormat::Depth(DepthFormat::Unorm8) if !sixteen => {
-            let red: Vec<u32> = picture.to_rgb8().pixels().map(|p| u32::from(p.0[0])).collect();
-            let codes = bottom_up(&red, side).into_iter();
-            from_codes(place, side, DepthFormat::Unorm8, codes, device)
-        }
-        TexelFormat::Depth(DepthFormat::Unorm16) if sixteen => {
-            let red: Vec<u32> = picture.to_rgb16().pixels().map(|p| u32::from(p.0[0])).collect();
-            let codes = bottom_up(&red, side).into_iter();
-            from_codes(place, side, DepthFormat::Unorm16, codes, device)
-        }
-        other => {
-            let bits = if sixteen { 16 } else { 8 };
-            let reason = format!("has {bits} bits a channel, which hold no {}", other.name());
-            Err(Error::bad_input(
-                place,
-                reason,
-                "dump an EXR or raw bytes, or name another --packing",
-            ))
-        }
-    }
-}
-
-fn exr(place: &str, bytes: Vec<u8>, format: Option<TexelFormat>) -> Result<ShadowMap> {
-    use ::exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
-    let bad = |e: ::exr::error::Error| {
-        Error::bad_input(place, format!("is no usable EXR ({e})"), "dump the map again")
-    };
-    let format = match format.unwrap_or(TexelFormat::Depth(DepthFormat::F32)) {
-        TexelFormat::Depth(format) => format,
-        TexelFormat::Packed(packing) => {
-            let reason = format!("holds floats, not the bytes of {packing}");
-            return Err(Error::bad_input(place, reason, "dump a PNG or raw bytes"));
-        }
-    };
-    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(bad)?;
-    let size = meta.headers.first().map_or((0, 0), |h| (h.layer_size.0, h.layer_size.1));
-    let side = side(place, size.0 as u32, size.1 as u32)?;
-    let reader = read().no_deep_data().largest_resolution_level().all_channels();
-    let image = reader.first_valid_layer().all_attributes();
-    let image = image.from_buffered(Cursor::new(bytes)).map_err(bad)?;
-    let channels = &image.layer_data.channel_data.list;
-    let named = |name: &str| channels.iter().find(|c| c.name.to_string() == name);
-    let only = || if channels.len() == 1 { channels.first() } else { None };
-    let channel = ["Z", "R", "Y"].into_iter().find_map(named).or_else(only).ok_or_else(|| {
-        let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-        let reason = format!("has no channel Z, R or Y but {}", names.join(", "));
-        Error::bad_input(place, reason, "name the depth channel Z")
-    })?;
-    let depths: Vec<f32> = channel.sample_data.values_as_f32().collect();
-    checked(place, side, format, bottom_up(&depths, side))
-}
-
 /// Writes a map as it would be captured: packings and UNORM up to 16 bits as PNG, other depth formats
 /// as EXR, whatever the extension says as raw codes.
 ///
@@ -305,11 +233,11 @@ fn raw_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
 
 fn png_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
     let (colour, depth, step) = match map.format() {
-        TexelFormat::Packed(_) => (::png::ColorType::Rgba, ::png::BitDepth::Eight, 4),
+        TexelFormat::Packed(_) => (png::ColorType::Rgba, png::BitDepth::Eight, 4),
         TexelFormat::Depth(DepthFormat::Unorm8) => {
-            (::png::ColorType::Grayscale, ::png::BitDepth::Eight, 1)
+            (png::ColorType::Grayscale, png::BitDepth::Eight, 1)
         }
-        TexelFormat::Depth(_) => (::png::ColorType::Grayscale, ::png::BitDepth::Sixteen, 2),
+        TexelFormat::Depth(_) => (png::ColorType::Grayscale, png::BitDepth::Sixteen, 2),
     };
     // PNG holds the high byte first.
     let texel = |i: usize| match map.format() {
@@ -321,7 +249,7 @@ fn png_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
     let rows: Vec<Vec<u8>> = texels(map).map(texel).collect();
     let data = bottom_up_rows(&rows, map.size());
     let mut bytes = Vec::new();
-    let mut encoder = ::png::Encoder::new(&mut bytes, map.size(), map.size());
+    let mut encoder = png::Encoder::new(&mut bytes, map.size(), map.size());
     encoder.set_color(colour);
     encoder.set_depth(depth);
     let mut writer = encoder.write_header().expect("a header in memory");

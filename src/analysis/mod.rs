@@ -16,6 +16,7 @@ mod judge;
 pub mod ladder;
 pub mod measure;
 pub mod measurement;
+pub mod need;
 pub mod observation;
 pub mod observe;
 mod observe_all;

@@ -1,14 +1,15 @@
 //! Headerless little-endian dumps, read whole and checked for length.
 
-use crate::{Error, Result};
+use crate::{Error, Result, input};
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// The bytes of a dump, `None` if the file is not there.
 pub(super) fn bytes(path: &Path, expected: usize) -> Result<Option<Vec<u8>>> {
-    let bytes = match std::fs::read(path) {
+    let bytes = match input::read(path, input::DATA) {
         Ok(bytes) => bytes,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => return Err(Error::read(path, e)),
+        Err(Error::Read { source, .. }) if source.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(e) => return Err(e),
     };
     if bytes.len() != expected {
         return Err(Error::bad_input(

@@ -1,6 +1,6 @@
 //! JSON fields that know where they stand, so that every complaint names file and place.
 
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use glam::{DVec3, Mat4};
 use serde_json::Value;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub(super) struct Field<'a> {
 
 /// A file's bytes.
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|e| Error::read(path, e))
+    input::read_or_stdin(path, input::DATA)
 }
 
 /// Reads and parses a JSON file.

@@ -1,11 +1,14 @@
 //! The small TOML beside a scene file: light, camera, map and look-up that the file does not say.
 
+mod origin;
+mod strict;
+
 use gnomon_core::depth::{DepthFormat, Packing};
 use gnomon_core::device::DeviceProfile;
 use gnomon_core::scene::{CompareRule, Cull, Filter, TexelFormat, Wrap};
 use gnomon_core::{Error, Result};
+pub use origin::Origin;
 use serde::Deserialize;
-use std::path::Path;
 use std::str::FromStr;
 
 /// Settings of a user's scene; whatever is absent is fitted or defaulted.
@@ -21,9 +24,13 @@ pub struct Settings {
     /// The look-up.
     pub lookup: LookupSettings,
     /// Width and height of the picture in pixels.
+    #[serde(deserialize_with = "strict::pair")]
     pub canvas: Option<[u32; 2]>,
     /// Device profile.
     pub device: Option<String>,
+    /// Where they were written.
+    #[serde(skip)]
+    pub origin: Origin,
 }
 
 /// A light: a direction makes it directional, a position a spot.
@@ -31,20 +38,28 @@ pub struct Settings {
 #[serde(deny_unknown_fields, default)]
 pub struct LightSettings {
     /// Where a directional light shines.
+    #[serde(deserialize_with = "strict::vector")]
     pub direction: Option<[f64; 3]>,
     /// Where a spot stands.
+    #[serde(deserialize_with = "strict::vector")]
     pub position: Option<[f64; 3]>,
     /// What a spot looks at.
+    #[serde(deserialize_with = "strict::vector")]
     pub target: Option<[f64; 3]>,
     /// Up of the map.
+    #[serde(deserialize_with = "strict::vector")]
     pub up: Option<[f64; 3]>,
     /// Field of view of a spot in degrees.
+    #[serde(deserialize_with = "strict::number")]
     pub fovy: Option<f64>,
     /// Width of a directional light's box.
+    #[serde(deserialize_with = "strict::number")]
     pub width: Option<f64>,
     /// Near plane.
+    #[serde(deserialize_with = "strict::number")]
     pub near: Option<f64>,
     /// Far plane.
+    #[serde(deserialize_with = "strict::number")]
     pub far: Option<f64>,
 }
 
@@ -53,16 +68,22 @@ pub struct LightSettings {
 #[serde(deny_unknown_fields, default)]
 pub struct CameraSettings {
     /// The eye.
+    #[serde(deserialize_with = "strict::vector")]
     pub position: Option<[f64; 3]>,
     /// What it looks at.
+    #[serde(deserialize_with = "strict::vector")]
     pub target: Option<[f64; 3]>,
     /// Up.
+    #[serde(deserialize_with = "strict::vector")]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees.
+    #[serde(deserialize_with = "strict::number")]
     pub fovy: Option<f64>,
     /// Near plane.
+    #[serde(deserialize_with = "strict::number")]
     pub near: Option<f64>,
     /// Far plane.
+    #[serde(deserialize_with = "strict::number")]
     pub far: Option<f64>,
 }
 
@@ -83,6 +104,7 @@ pub struct MapSettings {
 #[serde(deny_unknown_fields, default)]
 pub struct LookupSettings {
     /// Constant bias in window depth; positive repairs acne.
+    #[serde(deserialize_with = "strict::float")]
     pub bias: Option<f32>,
     /// Filter name.
     pub filter: Option<String>,
@@ -93,33 +115,42 @@ pub struct LookupSettings {
 }
 
 impl Settings {
-    /// Reads a TOML file.
-    ///
-    /// # Errors
-    /// [`Error::Read`], or [`Error::BadInput`] naming file, line and key.
-    pub fn read(path: &Path) -> Result<Self> {
-        let meta = std::fs::metadata(path).map_err(|e| Error::read(path, e))?;
-        if !meta.is_file() || meta.len() > 1 << 20 {
-            return Err(Error::bad_input(
-                path.display().to_string(),
-                "is no regular file of at most 1 MiB",
-                "give a small TOML file",
-            ));
-        }
-        let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
-        Self::parse(&path.display().to_string(), &text)
-    }
-
     /// Parses TOML text; `place` names it in complaints.
     ///
     /// # Errors
     /// [`Error::BadInput`] naming place, line and key.
     pub fn parse(place: &str, text: &str) -> Result<Self> {
-        toml::from_str(text).map_err(|e| {
+        let mut settings: Self = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
             let reason = e.message().replace('\n', " ");
             Error::bad_input(format!("{place}: line {line}"), reason, "see the README for the keys")
-        })
+        })?;
+        settings.origin = Origin::of(place, text);
+        Ok(settings)
+    }
+
+    /// A light of the command line stands above the file's, whose keys for the other kind of light go.
+    pub fn override_light(&mut self, direction: Option<[f64; 3]>, position: Option<[f64; 3]>) {
+        if direction.is_some() {
+            (self.light.target, self.light.fovy) = (None, None);
+        }
+        if position.is_some() {
+            self.light.width = None;
+        }
+        (self.light.direction, self.light.position) = (direction, position);
+        self.origin.override_by("light.direction", "--light-dir (light.direction)");
+        self.origin.override_by("light.position", "--light-pos (light.position)");
+    }
+
+    /// Refuses the first of the given `keys` that is there: it would say nothing.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] with its line, the reason and what to do.
+    pub(super) fn idle(&self, keys: &[(&str, bool)], reason: &str, fix: &str) -> Result<()> {
+        match keys.iter().find(|(_, given)| *given) {
+            Some((key, _)) => Err(Error::bad_input(self.origin.at(key), reason, fix)),
+            None => Ok(()),
+        }
     }
 
     /// The texel format, f32 by default.

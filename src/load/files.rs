@@ -1,15 +1,19 @@
-//! Reading files under limits, and only inside the scene's own folder.
+//! What a scene may cost, and the files that it names beside itself: relative, decoded, given by the caller.
 
 use gnomon_core::{Error, Result};
-use std::fs::{self, File};
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
+
+/// Gives the content of a file that a scene names: a relative path below the scene's folder, and how many
+/// bytes it may have at most.
+pub type Beside<'b> = dyn Fn(&Path, u64) -> Result<Vec<u8>> + 'b;
 
 /// What a scene may cost. Checked before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of all files together.
     pub bytes: u64,
+    /// Bytes of memory that what is read may take.
+    pub memory: u64,
     /// Vertices of all meshes together.
     pub vertices: u64,
     /// Indices of all meshes together.
@@ -24,6 +28,7 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             bytes: 512 << 20,
+            memory: 8 << 30,
             vertices: 100_000_000,
             indices: 200_000_000,
             depth: 1024,
@@ -33,17 +38,40 @@ impl Default for Limits {
 }
 
 /// Counts against the limits while a scene is read.
-#[derive(Clone, Debug)]
-pub(super) struct Budget {
+#[derive(Clone)]
+pub(super) struct Budget<'b> {
     limits: Limits,
+    beside: &'b Beside<'b>,
     bytes: u64,
     vertices: u64,
     indices: u64,
 }
 
-impl Budget {
-    pub(super) fn new(limits: &Limits) -> Self {
-        Self { limits: *limits, bytes: 0, vertices: 0, indices: 0 }
+impl<'b> Budget<'b> {
+    /// A budget for a scene whose own file has `bytes`; files that it names come from `beside`.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] where the file alone is beyond the limit.
+    pub(super) fn new(
+        place: &str,
+        bytes: u64,
+        limits: &Limits,
+        beside: &'b Beside<'b>,
+    ) -> Result<Self> {
+        let mut budget = Self { limits: *limits, beside, bytes: 0, vertices: 0, indices: 0 };
+        budget.bytes(place, bytes)?;
+        Ok(budget)
+    }
+
+    /// Refuses what needs more memory than is left to the scene.
+    pub(super) fn memory(&self, place: &str, need: u64) -> Result<()> {
+        if need <= self.limits.memory {
+            return Ok(());
+        }
+        let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
+        let [need, budget] = [need, self.limits.memory].map(mebibytes);
+        let reason = format!("needs {need} MiB, the budget is {budget} MiB");
+        Err(Error::bad_input(place, reason, "split or simplify the scene, or raise --max-memory"))
     }
 
     pub(super) fn depth(&self) -> usize {
@@ -87,26 +115,9 @@ impl Budget {
         })
     }
 
-    /// A regular file's content, within the limits; pipes and devices are refused.
-    pub(super) fn read(&mut self, path: &Path) -> Result<Vec<u8>> {
-        let place = path.display().to_string();
-        let meta = fs::metadata(path).map_err(|e| Error::read(path, e))?;
-        if !meta.is_file() {
-            return Err(Error::bad_input(place, "is no regular file", "give a file"));
-        }
-        self.bytes(&place, meta.len())?;
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(|e| Error::read(path, e))?;
-        file.take(meta.len() + 1).read_to_end(&mut bytes).map_err(|e| Error::read(path, e))?;
-        if bytes.len() as u64 > meta.len() {
-            return Err(Error::bad_input(place, "grew while it was read", "try again"));
-        }
-        Ok(bytes)
-    }
-
-    /// A file that a scene names by a relative URI: percent-decoded, then refused unless it lies
-    /// inside the scene's folder, links resolved.
-    pub(super) fn read_beside(&mut self, scene: &Path, place: &str, uri: &str) -> Result<Vec<u8>> {
+    /// A file that a scene names by a relative URI: percent-decoded, then refused unless it leads
+    /// downwards from the scene's folder.
+    pub(super) fn read_beside(&mut self, place: &str, uri: &str) -> Result<Vec<u8>> {
         let outside = || {
             Error::bad_input(
                 place,
@@ -124,16 +135,9 @@ impl Budget {
         if !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
             return Err(outside());
         }
-        let folder = match scene.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let path = folder.join(relative);
-        let resolve = |p: &Path| fs::canonicalize(p).map_err(|e| Error::read(p, e));
-        if !resolve(&path)?.starts_with(resolve(folder)?) {
-            return Err(outside());
-        }
-        self.read(&path)
+        let bytes = (self.beside)(&relative, self.limits.bytes - self.bytes)?;
+        self.bytes(place, bytes.len() as u64)?;
+        Ok(bytes)
     }
 }
 
@@ -165,36 +169,29 @@ mod tests {
     }
 
     #[test]
-    fn nothing_outside_the_folder_is_read() {
-        let outer = tempfile::tempdir().expect("a folder");
-        let folder = outer.path().join("scene");
-        fs::create_dir(&folder).expect("a folder");
-        fs::write(outer.path().join("secret.bin"), "secret").expect("a file");
-        fs::write(folder.join("good.bin"), "good").expect("a file");
-        let scene = folder.join("scene.gltf");
-        let read = |uri: &str| Budget::new(&Limits::default()).read_beside(&scene, "buffer 0", uri);
-        assert_eq!(read("good.bin").expect("inside"), b"good");
-        let absolute = outer.path().join("secret.bin").display().to_string();
+    fn names_that_lead_elsewhere_are_never_asked_for() {
+        let beside = |path: &Path, _: u64| Ok(path.display().to_string().into_bytes());
+        let read = |uri: &str| {
+            let budget = Budget::new("a.gltf", 0, &Limits::default(), &beside);
+            budget.expect("an empty file").read_beside("buffer 0", uri)
+        };
+        assert_eq!(read("b/./good%20one.bin").expect("inside"), b"b/./good one.bin");
         for uri in
-            ["../secret.bin", "%2e%2e/secret.bin", "file:///dev/zero", "/dev/zero", &absolute]
+            ["../secret.bin", "%2e%2e/secret.bin", "file:///dev/zero", "/dev/zero", "b/../../c"]
         {
             let message = read(uri).expect_err(uri).to_string();
             assert!(message.contains("outside"), "{uri}: {message}");
         }
-        #[cfg(unix)]
-        {
-            std::os::unix::fs::symlink("../secret.bin", folder.join("link.bin")).expect("a link");
-            assert!(read("link.bin").expect_err("a link").to_string().contains("outside"));
-        }
     }
 
     #[test]
-    fn limits_come_before_reading() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("big.bin");
-        fs::write(&path, vec![0; 2048]).expect("a file");
+    fn limits_count_the_file_and_what_it_names() {
+        let beside = |_: &Path, most: u64| Ok(vec![0; most as usize]);
         let limits = Limits { bytes: 1024, ..Limits::default() };
-        let message = Budget::new(&limits).read(&path).expect_err("too big").to_string();
+        let budget = |bytes| Budget::new("a.gltf", bytes, &limits, &beside);
+        let message = budget(2048).map(|_| ()).expect_err("too big").to_string();
         assert!(message.contains("1024 bytes"), "{message}");
+        let left = budget(1000).expect("small").read_beside("buffer 0", "b.bin").expect("the rest");
+        assert_eq!(left.len(), 24);
     }
 }

@@ -1,7 +1,7 @@
 //! A user's scene as a case: light and camera from settings or file, else fitted to the geometry.
 
-use super::LoadedScene;
 use super::config::Settings;
+use super::{LoadedScene, range};
 use glam::DVec3;
 use gnomon_core::camera::Camera;
 use gnomon_core::light::Light;
@@ -58,8 +58,12 @@ fn shown(name: &str) -> String {
 /// Builds the case of a user's scene.
 ///
 /// # Errors
-/// [`Error::BadInput`] naming the setting.
+/// [`Error::BadInput`] naming the setting and where it was written.
 pub fn case(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case> {
+    fitted(name, scene, settings).map_err(|e| settings.origin.located(e))
+}
+
+fn fitted(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case> {
     let bounds = Bounds::of(&scene);
     if !(bounds.radius > 0.0 && bounds.radius.is_finite()) {
         return Err(Error::bad_input(name, "all vertices coincide", "give a scene with extent"));
@@ -142,6 +146,9 @@ fn light(
     notes: &mut Vec<String>,
 ) -> Result<Light> {
     let given = &settings.light;
+    for (key, point) in [("light.position", given.position), ("light.target", given.target)] {
+        range::setting(key, point)?;
+    }
     if given.direction.is_some() && given.position.is_some() {
         return Err(Error::bad_input(
             "light",
@@ -160,6 +167,9 @@ fn light(
     match scene.light {
         Some(l) => match l.cone_degrees {
             Some(cone) => {
+                let reason = "has no effect: the light stands where the scene file says";
+                let fix = "give light.position too, or leave it out";
+                settings.idle(&[("light.target", given.target.is_some())], reason, fix)?;
                 let target = l.position + l.direction * bounds.radius;
                 spot(bounds, settings, l.position, target, Some(given.fovy.unwrap_or(cone)), notes)
             }
@@ -179,6 +189,10 @@ fn directional(
     direction: DVec3,
     notes: &mut Vec<String>,
 ) -> Result<Light> {
+    let given = &settings.light;
+    let keys = [("light.target", given.target.is_some()), ("light.fovy", given.fovy.is_some())];
+    let fix = "leave it out, or give light.position for a spot";
+    settings.idle(&keys, "has no effect on a directional light", fix)?;
     let up = up_for(settings.light.up, direction);
     let right = unit(direction.cross(up), "light.up")?;
     let above = right.cross(direction);
@@ -213,6 +227,9 @@ fn spot(
     fovy: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Light> {
+    let fix = "leave it out, or give light.direction for a directional light";
+    let keys = [("light.width", settings.light.width.is_some())];
+    settings.idle(&keys, "has no effect on a spot", fix)?;
     let direction = unit(target - position, "light.target")?;
     let up = up_for(settings.light.up, direction);
     let (mut nearest, mut farthest, mut widest) = (f64::INFINITY, 0.0f64, 0.0f64);
@@ -253,6 +270,18 @@ fn camera(
     notes: &mut Vec<String>,
 ) -> Result<Camera> {
     let given = &settings.camera;
+    if given.position.is_none() {
+        let keys = [("camera.target", given.target.is_some()), ("camera.up", given.up.is_some())];
+        let fix = "give camera.position too, or leave it out";
+        settings.idle(&keys, "has no effect without camera.position", fix)?;
+    }
+    for (key, point) in [("camera.position", given.position), ("camera.target", given.target)] {
+        range::setting(key, point)?;
+    }
+    if let Some(fovy) = given.fovy.filter(|f| !(*f > 0.0 && *f < 180.0)) {
+        let reason = format!("{fovy} is not in (0, 180)");
+        return Err(Error::bad_input("camera.fovy", reason, "give degrees"));
+    }
     let from_file = scene.camera.filter(|_| given.position.is_none());
     let fovy_degrees = given.fovy.or(from_file.map(|c| c.fovy_degrees)).unwrap_or(45.0);
     let view = match (given.position, from_file) {

@@ -1,25 +1,41 @@
 //! glTF 2.0 and GLB: meshes under their node transforms, the first light and camera.
 
 use super::files::Budget;
-use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, repair};
+use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, repair, strips};
 use glam::{DVec3, Mat4, Vec3};
 use gltf::buffer::Source;
 use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
+use gltf::scene::Transform;
 use gnomon_core::{Error, Result};
 use std::collections::HashSet;
-use std::path::Path;
 
-pub(super) fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
-    let place = path.display().to_string();
-    let file = parsed(bytes).map_err(|e| {
+pub(super) fn read(place: &str, bytes: &[u8], budget: Budget<'_>) -> Result<LoadedScene> {
+    let place = place.to_string();
+    budget.memory(&place, json_need(bytes))?;
+    let mut file = parsed(bytes).map_err(|e| {
         Error::bad_input(&place, format!("is no usable glTF 2.0 ({e})"), "export it again")
     })?;
-    let mut reader =
-        Reader { path, place, buffers: Vec::new(), budget, scene: LoadedScene::default() };
-    reader.read_buffers(&file)?;
+    let mut reader = Reader { place, buffers: Vec::new(), budget, scene: LoadedScene::default() };
+    let chunk = file.blob.take();
+    reader.read_buffers(&file, chunk)?;
     reader.read_nodes(&file.document)?;
     Ok(reader.scene)
+}
+
+/// Bytes that an object of the JSON takes once it is parsed.
+const OBJECT: u64 = 1024;
+
+/// Bytes of memory that the objects of a JSON need, before they are made: `{}` is two bytes in the file
+/// and a node in memory.
+fn json_need(bytes: &[u8]) -> u64 {
+    let length = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(8..12)?.try_into().ok());
+    let json = match length.map(u32::from_le_bytes) {
+        Some(length) => bytes.get(20..).unwrap_or_default().iter().take(length as usize),
+        None => bytes.iter().take(usize::MAX),
+    };
+    let objects = json.filter(|&&b| b == b'{').count() as u64;
+    (bytes.len() as u64 * 3).saturating_add(objects * OBJECT)
 }
 
 /// The validated document. Two things that gltf 1.4 does not check in time (found by fuzzing) are
@@ -31,7 +47,12 @@ fn parsed(bytes: &[u8]) -> std::result::Result<gltf::Gltf, String> {
         return Err(format!("the GLB says that it has {length} bytes, its header alone has 12"));
     }
     let unchecked = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
-    let (root, blob) = (unchecked.document.into_json(), unchecked.blob);
+    let (mut root, blob) = (unchecked.document.into_json(), unchecked.blob);
+    root.extensions_required.retain(|name| !is_harmless(name));
+    if !root.extensions_required.is_empty() {
+        let names = root.extensions_required.join(", ");
+        return Err(format!("it needs {names}, which is not read; `gltf-transform` can decode it"));
+    }
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let mut accessors = primitives.flat_map(|primitive| primitive.attributes.values());
     if let Some(beyond) = accessors.find(|index| index.value() >= root.accessors.len()) {
@@ -42,11 +63,28 @@ fn parsed(bytes: &[u8]) -> std::result::Result<gltf::Gltf, String> {
     Ok(gltf::Gltf { document, blob })
 }
 
-struct Reader<'p> {
-    path: &'p Path,
+/// Extensions that a file may require: those that are read, and those that touch only materials and
+/// textures, which are not.
+fn is_harmless(extension: &str) -> bool {
+    const READ: [&str; 2] = ["KHR_mesh_quantization", "KHR_lights_punctual"];
+    const MATERIALS: [&str; 9] = [
+        "KHR_materials_",
+        "KHR_texture_",
+        "KHR_xmp",
+        "EXT_texture_",
+        "EXT_materials_",
+        "MSFT_texture_",
+        "MSFT_packing_",
+        "ADOBE_materials_",
+        "AGI_articulations",
+    ];
+    READ.contains(&extension) || MATERIALS.iter().any(|prefix| extension.starts_with(prefix))
+}
+
+struct Reader<'b> {
     place: String,
     buffers: Vec<Vec<u8>>,
-    budget: Budget,
+    budget: Budget<'b>,
     scene: LoadedScene,
 }
 
@@ -55,11 +93,16 @@ impl Reader<'_> {
         Error::bad_input(format!("{}: {at}", self.place), reason, fix)
     }
 
-    fn read_buffers(&mut self, file: &gltf::Gltf) -> Result<()> {
+    /// The first buffer alone may be the GLB's binary chunk, which is moved here, never copied.
+    fn read_buffers(&mut self, file: &gltf::Gltf, mut chunk: Option<Vec<u8>>) -> Result<()> {
         for buffer in file.buffers() {
             let at = format!("{}: buffers[{}]", self.place, buffer.index());
             let bytes = match buffer.source() {
-                Source::Bin => file.blob.clone().ok_or_else(|| {
+                Source::Bin if buffer.index() > 0 => {
+                    let reason = "has no URI, and only the first buffer may be the binary chunk";
+                    return Err(Error::bad_input(at, reason, "export it again"));
+                }
+                Source::Bin => chunk.take().ok_or_else(|| {
                     Error::bad_input(&at, "the GLB has no binary chunk", "export it again")
                 })?,
                 Source::Uri(uri) => match uri.strip_prefix("data:") {
@@ -70,7 +113,7 @@ impl Reader<'_> {
                         })?;
                         self.budget.data_uri(&at, base64)?
                     }
-                    None => self.budget.read_beside(self.path, &at, uri)?,
+                    None => self.budget.read_beside(&at, uri)?,
                 },
             };
             if (bytes.len() as u64) < buffer.length() as u64 {
@@ -99,7 +142,19 @@ impl Reader<'_> {
                 let reason = format!("lies deeper than {} levels", self.budget.depth());
                 return Err(self.bad(&at, reason, "flatten the scene"));
             }
-            let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
+            let transform = node.transform();
+            if matches!(&transform, Transform::Decomposed { rotation: [x, y, z, w], .. }
+                if x * x + y * y + z * z + w * w == 0.0)
+            {
+                let reason = "its rotation is zero, no quaternion";
+                return Err(self.bad(&at, reason, "give a unit quaternion, or leave it out"));
+            }
+            let world = parent * Mat4::from_cols_array_2d(&transform.matrix());
+            if draws_nothing(world) {
+                let reason = "is scaled to nothing: left out with what hangs on it";
+                self.scene.notes.push(format!("{at} {reason}"));
+                continue;
+            }
             if !world.is_finite() || world.determinant() == 0.0 {
                 let reason = "its matrix is singular or not finite";
                 if self.budget.is_lenient() {
@@ -141,21 +196,29 @@ impl Reader<'_> {
     ) -> Result<()> {
         let at = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
         let place = format!("{}: {at}", self.place);
-        if primitive.mode() != Mode::Triangles {
-            self.scene.notes.push(format!("{at} is drawn as {:?}, left out", primitive.mode()));
+        let mode = primitive.mode();
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.scene.notes.push(format!("{at} is drawn as {mode:?}, left out"));
             return Ok(());
         }
         let positions = primitive.get(&gltf::Semantic::Positions);
         let positions =
             positions.ok_or_else(|| self.bad(&at, "has no positions", "export it again"))?;
         self.budget.vertices(&place, accessor::count(&positions))?;
+        self.budget.memory(&place, accessor::count(&positions).saturating_mul(12))?;
         let positions = accessor::positions(&place, &positions, &self.buffers)?;
         let indices = match primitive.indices() {
             Some(indices) => {
                 self.budget.indices(&place, accessor::count(&indices))?;
+                self.budget.memory(&place, accessor::count(&indices).saturating_mul(4))?;
                 accessor::indices(&place, &indices, &self.buffers)?
             }
             None => (0..positions.len() as u32).collect(),
+        };
+        let indices = match mode {
+            Mode::TriangleStrip => strips::strip(&indices),
+            Mode::TriangleFan => strips::fan(&indices),
+            _ => indices,
         };
         let (given, colour) = ((positions, indices), base_colour(primitive));
         let mesh_out = repair::mesh(&place, given, colour, &self.budget, &mut self.scene.notes)?;
@@ -200,6 +263,14 @@ impl Reader<'_> {
             });
         }
     }
+}
+
+/// Whether a node is scaled to a line or a point, which is how exporters hide things.
+fn draws_nothing(world: Mat4) -> bool {
+    let [x, y, z] = [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate());
+    let flat = [x.cross(y), y.cross(z), z.cross(x)];
+    let scaled = [x, y, z].iter().filter(|axis| **axis == Vec3::ZERO).count() >= 2;
+    scaled && world.is_finite() && flat.iter().all(|normal| *normal == Vec3::ZERO)
 }
 
 fn base_colour(primitive: &gltf::Primitive<'_>) -> Vec3 {

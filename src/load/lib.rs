@@ -14,10 +14,13 @@ pub mod fit;
 mod gltf_file;
 mod obj_file;
 mod ply_file;
+mod polygons;
+pub mod range;
 mod repair;
+mod strips;
 
 use files::Budget;
-pub use files::Limits;
+pub use files::{Beside, Limits};
 use glam::{DVec3, Mat4};
 use gnomon_core::scene::Mesh;
 use gnomon_core::{Error, Result};
@@ -60,30 +63,24 @@ pub struct LoadedCamera {
     pub fovy_degrees: f64,
 }
 
-/// Reads a scene file by its extension.
+/// Reads the bytes of a scene file by the extension of its path; the files that it names come from
+/// `beside`.
 ///
 /// # Errors
-/// [`Error::BadInput`] or [`Error::Read`] in one sentence: file, place, reason, what to do.
-pub fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
-    let mut budget = Budget::new(limits);
-    let bytes = budget.read(path)?;
-    read(path, &bytes, budget)
-}
-
-/// The same from the bytes of the file at `path`; files that they name are looked for beside it.
-///
-/// # Errors
-/// As [`load`].
-pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<LoadedScene> {
-    read(path, bytes, Budget::new(limits))
-}
-
-fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
+/// [`Error::BadInput`] in one sentence: file, place, reason, what to do; whatever `beside` answers.
+pub fn read(
+    path: &Path,
+    bytes: &[u8],
+    limits: &Limits,
+    beside: &Beside<'_>,
+) -> Result<LoadedScene> {
+    let place = path.display().to_string();
+    let budget = Budget::new(&place, bytes.len() as u64, limits, beside)?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let scene = match extension.as_str() {
-        "gltf" | "glb" => gltf_file::read(path, bytes, budget)?,
-        "obj" => obj_file::read(path, bytes, budget)?,
-        "ply" => ply_file::read(path, bytes, budget)?,
+        "gltf" | "glb" => gltf_file::read(&place, bytes, budget)?,
+        "obj" => obj_file::read(&place, bytes, budget)?,
+        "ply" => ply_file::read(&place, bytes, budget)?,
         _ => {
             return Err(Error::bad_input(
                 path.display().to_string(),
@@ -107,5 +104,20 @@ fn read(path: &Path, bytes: &[u8], budget: Budget) -> Result<LoadedScene> {
             "merge meshes",
         ));
     }
+    in_range(&path.display().to_string(), &scene)?;
     Ok(scene)
+}
+
+/// Refuses a scene whose world coordinates leave the range of the pipeline.
+fn in_range(place: &str, scene: &LoadedScene) -> Result<()> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (name, mesh, model) in &scene.parts {
+        let model = model.as_dmat4();
+        for (i, position) in mesh.positions.iter().enumerate() {
+            let p = model.transform_point3(position.as_dvec3());
+            range::point(|| format!("{place}: part '{name}': vertex {i} in the world"), p)?;
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
+    range::extent(&format!("{place}: the scene"), low, high)
 }

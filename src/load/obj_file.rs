@@ -1,54 +1,251 @@
-//! Wavefront OBJ: positions and faces only; material files are never opened.
+//! Wavefront OBJ: positions and faces only, line by line; material files are never opened.
 
 use super::files::Budget;
+use super::polygons::Cutter;
 use super::{LoadedScene, repair};
 use glam::{Mat4, Vec3};
 use gnomon_core::{Error, Result};
-use std::path::Path;
 
-pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<LoadedScene> {
-    let place = path.display().to_string();
-    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut geometry(bytes).as_slice(), &options, |_| {
-        Ok((Vec::new(), Default::default()))
-    })
-    .map_err(|e| Error::bad_input(&place, format!("is no usable OBJ ({e})"), "repair the file"))?;
-    let mut scene = LoadedScene::default();
-    for (i, model) in models.into_iter().enumerate() {
-        let at = format!("{place}: object {i} '{}'", model.name);
-        let mesh = model.mesh;
-        budget.vertices(&at, mesh.positions.len() as u64 / 3)?;
-        budget.indices(&at, mesh.indices.len() as u64)?;
-        if mesh.indices.is_empty() {
-            continue;
-        }
-        let positions = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
-        let given = (positions, mesh.indices);
-        let mesh = repair::mesh(&at, given, Vec3::splat(0.8), &budget, &mut scene.notes)?;
-        scene.parts.push((format!("{}#{i}", model.name), mesh, Mat4::IDENTITY));
+/// Bytes in memory for each byte of the file: the shortest face line gives the most.
+const GROWTH: u64 = 12;
+
+pub(super) fn read(place: &str, bytes: &[u8], budget: Budget<'_>) -> Result<LoadedScene> {
+    let place = place.to_string();
+    budget.memory(&place, bytes.len() as u64 * GROWTH)?;
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(Error::bad_input(place, "is UTF-16 text", "save it as UTF-8"));
     }
-    Ok(scene)
+    let mut reader = Reader::new(place, budget);
+    let mut lines = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).split(|&b| b == b'\n');
+    let mut joined = Vec::new();
+    while let Some(line) = lines.next() {
+        reader.line += 1;
+        let (mut line, mut follow) = (line, 0);
+        joined.clear();
+        // A backslash at the end joins the next line.
+        while let Some(begun) = line.trim_ascii_end().strip_suffix(b"\\") {
+            joined.extend_from_slice(begun);
+            joined.push(b' ');
+            line = lines.next().unwrap_or_default();
+            follow += 1;
+        }
+        match follow {
+            0 => reader.read_line(line)?,
+            _ => {
+                joined.extend_from_slice(line);
+                reader.read_line(&joined)?;
+            }
+        }
+        reader.line += follow;
+    }
+    reader.finish()
 }
 
-/// The file without texture coordinates and normals, which are not needed: tobj 4.0 computes with their
-/// indices before it checks them (found by fuzzing).
-fn geometry(bytes: &[u8]) -> Vec<u8> {
-    let mut kept = Vec::with_capacity(bytes.len());
-    for line in bytes.split(|&b| b == b'\n') {
-        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+/// Words of a line up to a comment.
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let text = line.split(|&b| b == b'#').next().unwrap_or_default();
+    text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// An object whose faces are being read.
+#[derive(Default)]
+struct Part {
+    name: String,
+    /// Corners of all faces as numbers of the file's vertices.
+    corners: Vec<u32>,
+    /// Number of corners of each face.
+    faces: Vec<u32>,
+    /// Line of each face.
+    lines: Vec<u32>,
+}
+
+struct Reader<'b> {
+    place: String,
+    line: usize,
+    budget: Budget<'b>,
+    positions: Vec<Vec3>,
+    parts: Vec<Part>,
+    /// Lines, points, curves and surfaces: they are not drawn.
+    undrawn: usize,
+    small: usize,
+}
+
+impl<'b> Reader<'b> {
+    fn new(place: String, budget: Budget<'b>) -> Self {
+        let first = Part { name: "unnamed_object".into(), ..Part::default() };
+        Self {
+            place,
+            line: 0,
+            budget,
+            positions: Vec::new(),
+            parts: vec![first],
+            undrawn: 0,
+            small: 0,
+        }
+    }
+
+    fn at(&self, line: usize) -> String {
+        format!("{}: line {line}", self.place)
+    }
+
+    fn bad(&self, reason: String) -> Error {
+        Error::bad_input(self.at(self.line), reason, "repair the OBJ, or take --lenient")
+    }
+
+    fn read_line(&mut self, line: &[u8]) -> Result<()> {
+        let mut words = words(line);
         match words.next() {
-            Some(b"vt" | b"vn") => {}
-            Some(element @ (b"f" | b"l" | b"p")) => {
-                kept.extend(element);
-                for word in words {
-                    let vertex = word.split(|&b| b == b'/').next().filter(|v| !v.is_empty());
-                    // Index 0 is none: an element without a vertex stays an error.
-                    kept.extend([b" ", vertex.unwrap_or(b"0")].concat());
+            Some(b"v") => self.read_vertex(words),
+            Some(b"f" | b"fo") => self.read_face(words),
+            Some(b"o" | b"g") => {
+                let name = String::from_utf8_lossy(line.trim_ascii()).into_owned();
+                let name = name.split_once(char::is_whitespace).map_or("", |(_, name)| name.trim());
+                self.begin(if name.is_empty() { "unnamed_object" } else { name });
+                Ok(())
+            }
+            Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => {
+                self.undrawn += 1;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Faces belong to a new part from here on; a part without faces is only renamed.
+    fn begin(&mut self, name: &str) {
+        match self.parts.last_mut() {
+            Some(part) if part.faces.is_empty() => part.name = name.to_string(),
+            _ => self.parts.push(Part { name: name.to_string(), ..Part::default() }),
+        }
+    }
+
+    fn read_vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) -> Result<()> {
+        self.budget.vertices(&self.place, 1)?;
+        let mut axis = || {
+            let word = words.next()?;
+            std::str::from_utf8(word).ok()?.parse::<f32>().ok()
+        };
+        let (x, y, z) = (axis(), axis(), axis());
+        let number = self.positions.len();
+        let p = x.zip(y).zip(z).map(|((x, y), z)| Vec3::new(x, y, z));
+        if !self.budget.is_lenient() {
+            let p = p.ok_or_else(|| self.bad(format!("vertex {number} has no three numbers")))?;
+            if !repair::is_sound(p) {
+                let reason = format!("vertex {number} is {p}, not a number within 1e30");
+                return Err(self.bad(reason));
+            }
+        }
+        self.positions.push(p.unwrap_or(Vec3::NAN));
+        Ok(())
+    }
+
+    fn read_face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<()> {
+        let Some(part) = self.parts.last_mut() else { return Ok(()) };
+        let begin = part.corners.len();
+        let mut wrong = None;
+        for word in words {
+            match vertex(word, self.positions.len()) {
+                Some(corner) => part.corners.push(corner),
+                None => {
+                    part.corners.push(u32::MAX);
+                    wrong = wrong.or(Some(String::from_utf8_lossy(word).into_owned()));
                 }
             }
-            _ => kept.extend(line),
         }
-        kept.push(b'\n');
+        let count = part.corners.len() - begin;
+        if count < 3 {
+            part.corners.truncate(begin);
+            self.small += 1;
+        } else {
+            part.faces.push(count as u32);
+            part.lines.push(u32::try_from(self.line).unwrap_or(u32::MAX));
+        }
+        match wrong {
+            _ if self.budget.is_lenient() => Ok(()),
+            Some(word) => Err(self.bad(format!("'{word}' names no vertex of the OBJ"))),
+            None if count < 3 => Err(self.bad(format!("a face has {count} corners"))),
+            None => Ok(()),
+        }
     }
-    kept
+
+    fn finish(mut self) -> Result<LoadedScene> {
+        let mut scene = LoadedScene::default();
+        let mut cutter = Cutter::new();
+        let mut own = vec![(u32::MAX, 0); self.positions.len()];
+        let parts = std::mem::take(&mut self.parts);
+        for (i, part) in parts.into_iter().enumerate().filter(|(_, part)| !part.faces.is_empty()) {
+            let at = format!("{}: object {i} '{}'", self.place, part.name);
+            let indices = self.triangles(&part, &mut cutter)?;
+            let given = self.compact(i as u32, indices, &mut own);
+            let mesh = repair::mesh(&at, given, Vec3::splat(0.8), &self.budget, &mut scene.notes)?;
+            scene.parts.push((format!("{}#{i}", part.name), mesh, Mat4::IDENTITY));
+        }
+        cutter.note(&self.place, &mut scene.notes);
+        for (count, what) in [
+            (self.undrawn, "lines, points, curves and surfaces are left out"),
+            (self.small, "faces have fewer than 3 corners and are left out"),
+        ] {
+            if count > 0 {
+                scene.notes.push(format!("{}: {count} {what}", self.place));
+            }
+        }
+        Ok(scene)
+    }
+
+    /// The part's faces as triangles of the file's vertices.
+    fn triangles(&mut self, part: &Part, cutter: &mut Cutter) -> Result<Vec<u32>> {
+        let mut triangles = Vec::with_capacity(part.corners.len());
+        let mut rest = part.corners.as_slice();
+        for (&count, &line) in part.faces.iter().zip(&part.lines) {
+            let (face, after) = rest.split_at_checked(count as usize).unwrap_or((rest, &[]));
+            rest = after;
+            let place = || format!("{}: line {line}", self.place);
+            let missing = face.iter().find(|&&c| c as usize >= self.positions.len());
+            if let (Some(corner), false) = (missing, self.budget.is_lenient()) {
+                let reason =
+                    format!("names vertex {} of {}", u64::from(*corner) + 1, self.positions.len());
+                return Err(Error::bad_input(place(), reason, "repair the OBJ, or take --lenient"));
+            }
+            self.budget.indices(&self.place, 3 * face.len().saturating_sub(2) as u64)?;
+            cutter.face(place, face, &self.positions, &mut triangles)?;
+        }
+        Ok(triangles)
+    }
+
+    /// The vertices that a part's triangles name, in the order of their first use, and the triangles
+    /// by them. `own` remembers, for each vertex of the file, the last part and its number there.
+    fn compact(
+        &self,
+        part: u32,
+        mut indices: Vec<u32>,
+        own: &mut [(u32, u32)],
+    ) -> (Vec<Vec3>, Vec<u32>) {
+        let mut positions = Vec::new();
+        for index in &mut indices {
+            let vertex = *index as usize;
+            let Some((known, number)) = own.get_mut(vertex) else {
+                *index = u32::MAX;
+                continue;
+            };
+            if *known != part {
+                (*known, *number) = (part, positions.len() as u32);
+                positions.push(self.positions.get(vertex).copied().unwrap_or(Vec3::NAN));
+            }
+            *index = *number;
+        }
+        (positions, indices)
+    }
+}
+
+/// The vertex that a corner `v`, `v/t`, `v//n` or `v/t/n` names, from 0; negative numbers count back
+/// from the last of `count`. A number beyond `count` may still follow in the file.
+fn vertex(word: &[u8], count: usize) -> Option<u32> {
+    let text = std::str::from_utf8(word.split(|&b| b == b'/').next()?).ok()?;
+    let number: i64 = text.parse().ok()?;
+    let from_zero = match number {
+        0 => return None,
+        1.. => number - 1,
+        _ => number.checked_add(count as i64)?,
+    };
+    u32::try_from(from_zero).ok().filter(|&v| v < u32::MAX)
 }

@@ -1,19 +1,19 @@
 //! PLY, the Stanford format: positions and faces, as text or binary; all else in it is passed over.
 
 use super::files::Budget;
-use super::{LoadedScene, repair};
+use super::polygons::Cutter;
+use super::{LoadedScene, repair, strips};
 use glam::{Mat4, Vec3};
 use gnomon_core::{Error, Result};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
-use std::path::Path;
 
-pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<LoadedScene> {
-    let place = path.display().to_string();
+pub(super) fn read(place: &str, bytes: &[u8], mut budget: Budget<'_>) -> Result<LoadedScene> {
+    let place = place.to_string();
     let mut file = File { place: &place, size: bytes.len(), reader: Reader::new(bytes) };
     let header = Parser::<Nothing>::new().read_header(&mut file.reader);
     let header = header.map_err(|e| unusable(&place, &e))?;
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let (mut positions, mut faces, mut strips) = (Vec::new(), Vec::new(), Vec::new());
     for (name, element) in &header.elements {
         file.check(element)?;
         match name.as_str() {
@@ -25,14 +25,19 @@ pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<Load
                 budget.indices(&place, 3 * element.count as u64)?;
                 faces = file.elements::<Face>(element, &header)?;
             }
+            "tristrips" => strips = file.elements::<Strip>(element, &header)?,
             _ => drop(file.elements::<Nothing>(element, &header)?),
         }
     }
     let corners: usize = faces.iter().map(|face| 3 * face.0.len().saturating_sub(2)).sum();
     budget.indices(&place, corners.saturating_sub(3 * faces.len()) as u64)?;
-    let positions = positions.into_iter().map(|vertex| vertex.0).collect();
+    let positions: Vec<Vec3> = positions.into_iter().map(|vertex: Vertex| vertex.0).collect();
     let mut scene = LoadedScene::default();
-    let given = (positions, fans(&place, &faces, &budget, &mut scene.notes)?);
+    let mut triangles = triangles(&place, &faces, &positions, &budget, &mut scene.notes)?;
+    let corners: usize = strips.iter().map(|strip| strip.0.len()).sum();
+    budget.indices(&place, 3 * corners as u64)?;
+    triangles.extend(strips.iter().flat_map(Strip::triangles));
+    let given = (positions, triangles);
     let mesh = repair::mesh(&place, given, Vec3::splat(0.8), &budget, &mut scene.notes)?;
     scene.parts.push(("mesh".to_string(), mesh, Mat4::IDENTITY));
     Ok(scene)
@@ -40,30 +45,39 @@ pub(super) fn read(path: &Path, bytes: &[u8], mut budget: Budget) -> Result<Load
 
 fn unusable(place: &str, error: &impl std::fmt::Display) -> Error {
     let reason = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    // The library quotes its grammar, which tells a user nothing.
+    let (reason, _) = reason.split_once("ParseError {").unwrap_or((&reason, ""));
+    let reason = reason.trim_end_matches([' ', ':', ',', '(']);
     let reason: String = reason.chars().filter(|c| !c.is_control()).take(200).collect();
     Error::bad_input(place, format!("is no usable PLY ({reason})"), "repair the file")
 }
 
-/// Every face as triangles around its first corner.
-fn fans(place: &str, faces: &[Face], budget: &Budget, notes: &mut Vec<String>) -> Result<Vec<u32>> {
-    let small = |face: &&Face| face.0.len() < 3;
+/// Every face as triangles.
+fn triangles(
+    place: &str,
+    faces: &[Face],
+    positions: &[Vec3],
+    budget: &Budget<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<u32>> {
+    let small = |face: &Face| face.0.len() < 3;
     match faces.iter().enumerate().find(|(_, face)| small(face)) {
         Some((k, face)) if !budget.is_lenient() => {
             let reason = format!("face {k} has {} corners", face.0.len());
             return Err(Error::bad_input(place, reason, "repair the mesh, or take --lenient"));
         }
         Some(_) => {
-            let lost = faces.iter().filter(small).count();
+            let lost = faces.iter().filter(|face| small(face)).count();
             notes.push(format!("{place}: {lost} faces have fewer than 3 corners and are left out"));
         }
         None => {}
     }
-    let fan = |face: &Face| {
-        let first = face.0.first().copied().unwrap_or_default();
-        let edges = face.0.get(1..).unwrap_or_default().array_windows::<2>();
-        edges.flat_map(|&[a, b]| [first, a, b]).collect::<Vec<_>>()
-    };
-    Ok(faces.iter().flat_map(fan).collect())
+    let (mut cutter, mut triangles) = (Cutter::new(), Vec::new());
+    for (k, face) in faces.iter().enumerate().filter(|(_, face)| !small(face)) {
+        cutter.face(|| format!("{place}: face {k}"), &face.0, positions, &mut triangles)?;
+    }
+    cutter.note(place, notes);
+    Ok(triangles)
 }
 
 /// A file being read, element after element.
@@ -121,6 +135,39 @@ impl PropertyAccess for Vertex {
             Some(value) => *axis = value,
             None => return PropertyAccessResult::UnsupportedType,
         }
+        PropertyAccessResult::Set
+    }
+}
+
+/// Triangle strips, one after the other: a negative index ends one.
+struct Strip(Vec<i64>);
+
+impl Strip {
+    fn triangles(&self) -> Vec<u32> {
+        let parts = self.0.split(|&index| index < 0);
+        let corner = |&index: &i64| u32::try_from(index).unwrap_or(u32::MAX);
+        parts.flat_map(|part| strips::strip(&part.iter().map(corner).collect::<Vec<_>>())).collect()
+    }
+}
+
+impl PropertyAccess for Strip {
+    fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        if !matches!(name, "vertex_indices" | "vertex_index") {
+            return PropertyAccessResult::Ignored;
+        }
+        self.0 = match value {
+            Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
+            other => match other.to_u32_list() {
+                Some(list) => list.into_iter().map(i64::from).collect(),
+                None => return PropertyAccessResult::UnsupportedType,
+            },
+        };
         PropertyAccessResult::Set
     }
 }

@@ -6,7 +6,7 @@ use gnomon_core::scene::Mesh;
 use gnomon_core::{Error, Result};
 
 /// Whether a position can be worked with: a number within 10³⁰.
-fn is_sound(p: Vec3) -> bool {
+pub(super) fn is_sound(p: Vec3) -> bool {
     p.is_finite() && p.abs().max_element() <= 1e30
 }
 
@@ -16,7 +16,7 @@ pub(super) fn mesh(
     place: &str,
     (mut positions, indices): (Vec<Vec3>, Vec<u32>),
     colour: Vec3,
-    budget: &Budget,
+    budget: &Budget<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Mesh> {
     if !budget.is_lenient() {

@@ -2,11 +2,12 @@
 
 use gnomon::conformance::{device_json, scene_json};
 use gnomon::depth::packing::TextPair;
+use gnomon::load::Limits;
 use gnomon::load::config::Settings;
 use gnomon::load::fit;
-use gnomon::load::{Limits, parse};
 use gnomon::output::Manifest;
 use gnomon::output::journal::Contents;
+use gnomon::scene_file::parse;
 use std::path::Path;
 
 /// Name of the corpus folder and of the fuzz target, and the reader.

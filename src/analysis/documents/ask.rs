@@ -3,6 +3,7 @@
 use super::{Options, Which};
 use crate::analysis::captured::{self, CapturedArguments};
 use crate::analysis::effort::EffortArguments;
+use crate::analysis::need::Need;
 use crate::device::DeviceProfile;
 use crate::raster::passes::Subject;
 use crate::report::Profile;
@@ -49,6 +50,10 @@ impl Ask {
                 return Err(Error::bad_input("--map-file, --save-map", "belong to one case", fix));
             }
         };
+        if let Some(case) = &one {
+            let step = Options { profile, ..Options::default() }.step();
+            Need::REPORT.check(case, step)?;
+        }
         if let (Some(path), Some(case)) = (&self.save_map, &one) {
             let device = case.device.device();
             captured::write(&Subject::draw(case, &device).map, &device, path)?;

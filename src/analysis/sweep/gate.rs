@@ -4,7 +4,7 @@
 use super::results::combination;
 pub use super::results::key;
 use super::{CaseSweep, Point, Swept};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use serde_json::Value;
 use std::path::Path;
 
@@ -126,7 +126,7 @@ pub struct Comparison {
 /// # Errors
 /// [`Error::Read`] or [`Error::BadInput`] with the path.
 pub fn baseline(path: &Path) -> Result<Value> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
+    let text = input::text(path, input::DATA)?;
     let fix = "give the results.json of a sweep";
     serde_json::from_str(&text)
         .map_err(|e| Error::bad_input(path.display().to_string(), e.to_string(), fix))

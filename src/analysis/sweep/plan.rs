@@ -1,5 +1,6 @@
 //! What is swept: axes as flags give them, checked before anything runs.
 
+use crate::analysis::need::Need;
 use crate::depth::{DepthFormat, Packing};
 use crate::scene::{Case, Filter, TexelFormat, cases};
 use crate::shadow::bias::Strategy;
@@ -185,6 +186,14 @@ impl Plan {
                 format!("give at most {MOST}, for instance fewer values of --bias"),
             ));
         }
+        let largest = self.sizes.iter().copied().max().unwrap_or(1);
+        let widest = |case: &Case| {
+            let filters = self.filters.iter().map(|f| f.unwrap_or(case.lookup.filter));
+            filters.max_by_key(|f| f.fetches()).unwrap_or(case.lookup.filter)
+        };
+        let affordable =
+            |case: &Case| Need::SWEEP.check_with(case, largest, widest(case), self.step);
+        self.cases.iter().try_for_each(affordable)?;
         Ok(self)
     }
 

@@ -1,5 +1,6 @@
 //! Homogeneous clipping of a triangle against the view volume, in the subject's f32.
 
+use crate::num::exp2;
 use glam::Vec4;
 
 /// A convex polygon of at most nine clip-space corners.
@@ -49,10 +50,15 @@ pub(super) fn needs_clipping(clip: &[Vec4; 3]) -> bool {
 /// The part of a triangle inside the view volume; empty if there is none.
 ///
 /// New corners are f32((f32(db·a) − f32(da·b)) · f32(1/(db − da))) with a inside, so that an edge
-/// shared by two triangles is cut at the same point from both sides.
+/// shared by two triangles is cut at the same point from both sides. All corners are first divided by
+/// the power of two of the largest coordinate, which no place on the screen depends on and which keeps
+/// the products from overflowing or vanishing at any scale of the scene.
 pub(super) fn clip(clip: &[Vec4; 3]) -> Polygon {
     let mut polygon = Polygon::new();
-    clip.iter().for_each(|&v| polygon.push(v));
+    let largest = clip.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
+    let exponent = (largest.to_bits() >> 23) as i32 - 127;
+    let scale = exp2(-exponent.min(127)) as f32;
+    clip.iter().for_each(|&v| polygon.push(v * scale));
     for plane in 0..6 {
         polygon = clip_plane(&polygon, plane);
     }

@@ -38,7 +38,8 @@ pub fn linear_axis(c: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
         Wrap::Clamp => i.clamp(0, i64::from(size) - 1) as u32,
         Wrap::Repeat => i.rem_euclid(i64::from(size)) as u32,
     };
-    ([index(base as i64), index(base as i64 + 1)], position - base)
+    // Far outside the map the cast saturates.
+    ([index(base as i64), index((base as i64).saturating_add(1))], position - base)
 }
 
 /// LINEAR of one channel: x before y, a + (b − a)·t with each operation rounded to f32.

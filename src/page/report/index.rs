@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::files::Entry;
 use super::page;
+use crate::input;
 use crate::output::{MANIFEST_SCHEMA, Manifest, OutFile, Publication, digest};
 use gnomon_core::{Error, Result};
 
@@ -38,7 +39,7 @@ pub fn write_index(folder: &Path, force: bool) -> Result<PathBuf> {
 
 fn read(folder: &Path) -> Result<Entry> {
     let path = folder.join("report.json");
-    let text = fs::read(&path).map_err(|e| Error::read(&path, e))?;
+    let text = input::read(&path, input::DATA)?;
     let mut entry: Entry = serde_json::from_slice(&text).map_err(|e| {
         let reason = format!("is not a report summary ({e})");
         Error::bad_input(path.display().to_string(), reason, "run the experiment again")
