@@ -149,7 +149,7 @@ fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> f64 
         TexelFormat::Packed(Packing::R8 | Packing::Book) => 1.0 / 255.0,
         format => quantum(format, if reversed { 1.0 - z } else { z }),
     };
-    step / field.site(middle, field.case().map.size).window_per_world
+    step / field.site(middle, &field.case().layout()).window_per_world
 }
 
 /// All formats of a case at its own map size and filter.
@@ -263,7 +263,7 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
             }
         }
         let middle = field.samples.get(field.samples.len() / 2);
-        let texel = middle.map_or(f64::NAN, |s| field.site(s, case.map.size).texel_world);
+        let texel = middle.map_or(f64::NAN, |s| field.site(s, &case.layout()).texel_world);
         done();
         (formats, section.folded(), texel)
     };

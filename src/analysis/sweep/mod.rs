@@ -113,10 +113,12 @@ impl CaseSweep {
         let base = Self::named(field.case());
         let middle = field.samples.get(field.samples.len() / 2);
         let mut known =
-            middle.map(|s| field.site(s, base.own_size)).map_or(base.clone(), |site| Self {
-                world_per_window: 1.0 / site.window_per_world,
-                texel_world: site.texel_world,
-                ..base
+            middle.map(|s| field.site(s, &field.case().layout())).map_or(base.clone(), |site| {
+                Self {
+                    world_per_window: 1.0 / site.window_per_world,
+                    texel_world: site.texel_world,
+                    ..base
+                }
             });
         let biases = amounts(Strategy::Constant, &plan.bias, known.world_per_window);
         let shares = theory::acne(field, known.own_size, &biases);

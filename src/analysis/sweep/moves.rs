@@ -84,10 +84,8 @@ impl Moving<'_> {
 /// The subject's own coordinates of a receiver plus the change of the exact ones, one rounding each;
 /// `None` behind the light.
 pub(super) fn moved(field: &Field<'_>, sample: &Sample, offset: DVec3) -> Option<[f32; 3]> {
-    let light = &field.case().light;
-    let position = sample.receiver.position + offset;
-    let window = light.window_from_world(&field.observer.clip_from_world, position)?;
-    let change = (window - sample.exact).as_vec3().to_array();
+    let look = field.observer.lenses[sample.map].look(sample.receiver.position + offset)?;
+    let change = (look - sample.exact).as_vec3().to_array();
     Some(std::array::from_fn(|i| sample.coord[i] + change[i]))
 }
 

@@ -11,7 +11,7 @@ use std::sync::{Arc, PoisonError};
 /// What a pass has drawn, place by place.
 #[derive(Debug)]
 pub(super) struct Drawn<'d> {
-    /// Depths; 1 where nothing is.
+    /// Compared depths; the cleared one where nothing is.
     pub(super) depth: Cow<'d, [f32]>,
     /// Triangles, or [`NO_TRIANGLE`].
     pub(super) triangle: Cow<'d, [u32]>,
@@ -58,6 +58,7 @@ pub(super) struct Store<'s> {
     pub(super) drawn: &'s Drawn<'s>,
     pub(super) places: &'s Places<'s>,
     spec: MapSpec,
+    reversed: bool,
     device: Device,
     stored: Arc<Stored>,
 }
@@ -79,7 +80,14 @@ impl Chart<'_, '_> {
             let new = Arc::new(self.stored(texel, drawn));
             self.known(key, Some(&new)).unwrap_or(new)
         });
-        Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
+        Store {
+            drawn,
+            places,
+            spec: self.spec(texel),
+            reversed: self.layout.reversed(),
+            device: *self.device(),
+            stored,
+        }
     }
 
     /// A map that was stored before; else `new` is kept from now on.
@@ -100,12 +108,19 @@ impl Chart<'_, '_> {
         places: &'s Places<'s>,
     ) -> Store<'s> {
         let stored = Arc::new(self.stored(texel, drawn));
-        Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
+        Store {
+            drawn,
+            places,
+            spec: self.spec(texel),
+            reversed: self.layout.reversed(),
+            device: *self.device(),
+            stored,
+        }
     }
 
     fn stored(&self, texel: TexelFormat, drawn: &Drawn<'_>) -> Stored {
         let drawn = shadow::Drawn { depth: &drawn.depth, triangle: &drawn.triangle };
-        Stored::new(self.device(), &self.spec(texel), drawn)
+        Stored::new(self.device(), &self.spec(texel), self.layout.reversed(), drawn)
     }
 }
 
@@ -119,7 +134,8 @@ impl Store<'_> {
     pub(super) fn mixed(&self, slots: &[u32; 4], weights: [f32; 2]) -> f32 {
         let TexelFormat::Packed(packing) = self.spec.texel else { return 0.0 };
         let bytes = slots.map(|slot| self.stored.bytes[self.places.of_slot(slot)]);
-        shadow::mix(&self.device, packing, &bytes, weights)
+        let depth = shadow::mix(&self.device, packing, &bytes, weights);
+        if self.reversed { -depth } else { depth }
     }
 
     /// What a texel was drawn with.
@@ -134,8 +150,8 @@ impl Store<'_> {
 }
 
 impl Texels for Store<'_> {
-    fn size(&self) -> u32 {
-        self.spec.size
+    fn reversed(&self) -> bool {
+        self.reversed
     }
 
     fn format(&self) -> TexelFormat {

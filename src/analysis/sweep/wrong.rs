@@ -97,7 +97,8 @@ impl Chart<'_, '_> {
                 found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, lit)));
                 continue;
             };
-            let footprint = footprints.only([coord[0], coord[1]]);
+            let footprint =
+                footprints.only(self.layout.rect(self.field.samples[i].map), [coord[0], coord[1]]);
             let look = Look { lit, coord, footprint, slots: &[] };
             let agrees = |error: f32| screen.as_ref().is_some_and(|s| s.agrees(&look, error));
             if agrees(widest) {
@@ -184,7 +185,10 @@ impl Verdicts<'_> {
             let i = receiver as usize;
             let (coord, lit) = (receivers.coord(i), receivers.lit[i]);
             let footprint = match follows {
-                true => footprints.only([coord[0], coord[1]]),
+                true => footprints.only(
+                    self.chart.layout.rect(self.chart.field.samples[i].map),
+                    [coord[0], coord[1]],
+                ),
                 false => self.chart.reads.footprint(i),
             };
             let slots = self.chart.reads.slots(i);

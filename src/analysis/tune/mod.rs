@@ -50,7 +50,7 @@ impl Tuned {
     fn new(chart: &Chart<'_, '_>, format: TexelFormat, knob: Knob, max_acne: f64) -> Self {
         let field = chart.field;
         let middle = field.samples.get(field.samples.len() / 2);
-        let site = middle.map(|s| field.site(s, chart.size));
+        let site = middle.map(|s| field.site(s, &chart.layout));
         let world = site.map_or(1.0, |s| 1.0 / s.window_per_world);
         let range = Range { low: 1e-7, high: 1e-1, log: true, count: 100 };
         let amounts = amounts(knob.strategy, &range, world);
@@ -106,10 +106,10 @@ impl Tuned {
 #[must_use]
 pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place> {
     let sample = field.samples.get(field.samples.len() / 2)?;
-    let light = &field.case().light;
-    let site = field.site(sample, size);
-    let (near, far) = light.projection.near_far();
-    let z = light.axial_distance(sample.receiver.position);
+    let site = field.site(sample, &field.case().light.layout(size));
+    let map = &field.observer.lenses[sample.map].map;
+    let (near, far) = map.projection.near_far();
+    let z = map.axial_distance(sample.receiver.position);
     let unit = match format {
         TexelFormat::Depth(DepthFormat::Unorm16) => crate::num::exp2(-16),
         TexelFormat::Depth(DepthFormat::Unorm8) | TexelFormat::Packed(_) => crate::num::exp2(-16),
@@ -119,10 +119,10 @@ pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place>
     Some(Place {
         near,
         far,
-        distance: (!light.is_directional()).then_some(z),
+        distance: (!map.is_orthographic()).then_some(z),
         texel_world: site.texel_world,
         cosine: site.normal.dot(site.to_light).clamp(1e-6, 1.0),
-        slope: receiver_slope(site.gradient, size),
+        slope: receiver_slope(site.gradient, site.map_size),
         unit,
         step: quantum(format, sample.coord[2]),
     })
@@ -179,7 +179,7 @@ fn units(place: &Place, bias: f64) -> Table {
 fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally {
     let recipe = engine.defaults();
     let casters = Recipe { normal: NormalMove::default(), light: 0.0, ..recipe };
-    let field = chart.field.looking_from(&recipe, chart.size);
+    let field = chart.field.looking_from(&recipe, &chart.layout);
     let there = Chart::new(&field, chart.size, chart.filter, Attachment::of(format));
     let rule = field.case().lookup.compare;
     let mut tally = Tally::default();
