@@ -1,7 +1,6 @@
 //! Which bias does this scene need, in this engine's own parameters?
 use clap::Parser;
 use gnomon::Result;
-use gnomon::analysis::sweep::chart::{map_spec, usable_filter};
 use gnomon::analysis::sweep::{gate, plan};
 use gnomon::analysis::tune::{self, Request};
 use gnomon::engines::Engine;
@@ -58,8 +57,8 @@ fn body(args: &Args) -> Result<()> {
         None => cases::named(&args.case)?,
     };
     let format = args.format.as_deref().map_or(Ok(case.map.texel), plan::format_named)?;
-    case.map = map_spec(&case.map, args.map.unwrap_or(case.map.size), format);
-    case.lookup.filter = usable_filter(args.filter.unwrap_or(case.lookup.filter), format);
+    case.map = case.map.with(args.map.unwrap_or(case.map.size), format);
+    case.lookup.filter = format.usable(args.filter.unwrap_or(case.lookup.filter));
     let (engine, profile, seed) = (args.engine, args.common.profile(), args.common.seed);
     let max_acne = gate::share(&args.max_acne)?;
     let command = Common::command("gnomon-tune");

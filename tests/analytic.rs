@@ -1,6 +1,7 @@
 //! Closed forms against measurement: tilted plane, wall, sphere, two plates.
 
 use glam::DVec3;
+use gnomon::analysis::ladder::Rung;
 use gnomon::analysis::measure::measure;
 use gnomon::analysis::observe::{Observer, Standing};
 use gnomon::analysis::walk::Walk;
@@ -151,7 +152,8 @@ fn a_wall_opens_a_gap_of_b_cos_alpha() {
     let gap = measured.peter_panning.expect("peter-panning").world;
     assert!((gap / expected - 1.0).abs() < 0.005, "{gap} against {expected}");
     assert_eq!(
-        measured.false_light.by_cause["bias"], measured.false_light.count,
+        measured.false_light.by_cause[&Rung::Bias],
+        measured.false_light.count,
         "by the bias alone"
     );
 }

@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DVec3};
 use gnomon::analysis::captured::{CapturedArguments, write};
+use gnomon::analysis::classify::Artifact;
 use gnomon::analysis::effort::Effort;
 use gnomon::analysis::measure::{measure, measure_captured};
 use gnomon::depth::{DepthFormat, Packing};
@@ -112,7 +113,11 @@ fn a_flipped_map_is_wrong_almost_everywhere() {
     let wrong =
         |m: &gnomon::analysis::measurement::Measurement| m.false_shadow.rate + m.false_light.rate;
     assert!(wrong(&flipped) > 4.0 * wrong(&sound), "{} {}", flipped.verdict, sound.verdict);
-    assert!(flipped.false_shadow.by_artifact["encoding-fault"] > 0, "{:?}", flipped.false_shadow);
+    assert!(
+        flipped.false_shadow.by_artifact[&Artifact::EncodingFault] > 0,
+        "{:?}",
+        flipped.false_shadow
+    );
 }
 
 #[test]

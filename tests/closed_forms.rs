@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use gnomon::analysis::budget::Budget;
-use gnomon::analysis::sweep::chart::{Attachment, Chart, map_spec};
+use gnomon::analysis::sweep::chart::{Attachment, Chart};
 use gnomon::analysis::sweep::tally::Kind;
 use gnomon::analysis::sweep::{Field, Question, Swept, sweep};
 use gnomon::depth::{DepthFormat, Packing};
@@ -77,7 +77,7 @@ fn quantised_planes_stay_on_the_safe_side() {
         let [gx, gz] = [0, 1].map(|_| (random(&mut seed) - 0.5) * 2.0);
         let (texel, quantum) = formats[i % 2];
         let mut case = analytic::tilted_plane(gx as f32, gz as f32);
-        case.map = map_spec(&case.map, SIZE, texel);
+        case.map = case.map.with(SIZE, texel);
         let (device, rule) = (case.device.device(), case.lookup.compare);
         let corner = predicted(gx, gz);
         let first_lit = |_| {
@@ -232,7 +232,7 @@ fn a_spot_needs_one_window_bias_everywhere() {
     let chart = Chart::new(&field, SIZE, Filter::Nearest, Attachment::Depth);
     let question = Question { amounts: &[0.0], max_acne: 0.0 };
     let swept = sweep(&chart, case.map.texel, Strategy::Constant, &question);
-    let rate = swept.points[0].tally.of(Kind::Acne) as f64 / swept.populations[0] as f64;
+    let rate = swept.points[0].tally.of(Kind::ACNE) as f64 / swept.populations[0] as f64;
     assert!((rate - 0.5).abs() < 0.01, "half of the plane is dark without a bias: {rate}");
 }
 

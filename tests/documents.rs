@@ -67,6 +67,10 @@ fn every_count_adds_up() {
                 assert_eq!(sum, number(&case[wrong]["count"]), "{name} {wrong} {group}");
             }
         }
+        let kinds = case["seen_by_kind"].as_object().expect("shares by kind").values();
+        let sum: f64 = kinds.map(|share| share.as_f64().expect("a share")).sum();
+        let seen = case["seen"].as_f64().expect("receivers face the light");
+        assert!((sum - seen).abs() <= 1e-12, "{name}: {sum} by kind, {seen} seen");
         let wrong_at_end = number(&case["wrong_on_rung"]["filter"]);
         let total = number(&case["false_shadow"]["count"]) + number(&case["false_light"]["count"]);
         assert_eq!(wrong_at_end, total, "{name}: the last rung is the subject");

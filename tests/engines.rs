@@ -13,6 +13,7 @@ fn book() -> Place {
         texel_world: 0.057,
         cosine: 0.8,
         slope: 1e-5,
+        caster_slope: 1e-5,
         unit: 1.0 / 16_777_216.0,
         step: 1.0 / 65_536.0,
     }

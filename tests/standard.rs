@@ -1,7 +1,7 @@
 //! Standard scenes are sound, and the benchmark over them counts as its formulas say.
 
 use glam::Vec3;
-use gnomon::analysis::pareto::cost::{Cost, texel_bytes, unpack_operations};
+use gnomon::analysis::pareto::cost::{Cost, unpack_operations};
 use gnomon::analysis::pareto::{Entry, Errors, algorithms, mark_front};
 use gnomon::depth::{DepthFormat, Packing};
 use gnomon::scene::cases::standard::{NAMES, named};
@@ -79,7 +79,7 @@ fn costs_are_those_of_the_formulas() {
     assert_eq!(of(Filter::Pcf3, Strategy::Midpoint).passes, 2);
     let plane = of(Filter::Pcf3, Strategy::ReceiverPlane).operations;
     assert_eq!(plane, pcf.operations + 17 + 9 * 14);
-    assert_eq!(texel_bytes(TexelFormat::Packed(Packing::Book)), 4);
+    assert_eq!(TexelFormat::Packed(Packing::Book).bytes(), 4);
 }
 
 fn entry(case: &str, size: u32, false_shadow: f64) -> Entry {

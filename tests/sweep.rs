@@ -1,10 +1,10 @@
 //! The sweep's shortcut against the literal f32 rule, and how it behaves at its edges.
 
-use gnomon::analysis::sweep::chart::{Attachment, Chart, usable_filter};
+use gnomon::analysis::sweep::chart::{Attachment, Chart};
 use gnomon::analysis::sweep::tally::Kind;
 use gnomon::analysis::sweep::taps::Taps;
 use gnomon::analysis::sweep::{
-    Field, Plan, Question, Range, gate, looks, plan, report, run, sweep,
+    Field, Plan, Question, Range, Scales, gate, looks, plan, report, run, sweep,
 };
 use gnomon::num::{from_ordinal, ordinal};
 use gnomon::raster::PolygonOffset;
@@ -19,8 +19,12 @@ fn random(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1u64 << 53) as f64
 }
 
+fn scales(world_per_window: f64) -> Scales {
+    Scales { world_per_window, ..Scales::default() }
+}
+
 fn chart<'f, 'a>(field: &'f Field<'a>, size: u32, format: TexelFormat) -> Chart<'f, 'a> {
-    let filter = usable_filter(field.case().lookup.filter, format);
+    let filter = format.usable(field.case().lookup.filter);
     Chart::new(field, size, filter, Attachment::of(format))
 }
 
@@ -157,7 +161,7 @@ fn value_families_equal_the_literal_counts_of_every_receiver() {
             };
             for strategy in families {
                 let bias: Range = "1e-5:1e-1:log:12".parse().unwrap();
-                let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, 10.0);
+                let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, &scales(10.0));
                 let question = Question { amounts: &amounts, max_acne: 0.0 };
                 let swept = sweep(&chart, format, strategy, &question);
                 for point in &swept.points {
@@ -166,10 +170,10 @@ fn value_families_equal_the_literal_counts_of_every_receiver() {
                 }
                 if let Some(point) = swept.acne_free {
                     assert_eq!(point.tally, tally(strategy, point.amount), "{name} {strategy}");
-                    assert_eq!(point.tally.of(Kind::Acne), 0, "{name} {strategy}");
+                    assert_eq!(point.tally.of(Kind::ACNE), 0, "{name} {strategy}");
                 }
                 if let Some(amount) = swept.detachment {
-                    let panned = tally(strategy, amount).of(Kind::PeterPanning);
+                    let panned = tally(strategy, amount).of(Kind::PETER_PANNING);
                     assert!(panned > 0, "{name} {strategy}: nothing is lost at {amount}");
                 }
             }
@@ -212,10 +216,10 @@ fn every_strategy_ends_acne_on_a_plane_or_its_reach_says_why() {
         let need = filter.half_width() * 0.125 * 0.75 / 16.0;
         for &strategy in Strategy::ALL.iter().filter(|&&s| s != Strategy::None) {
             let bias: Range = "1e-6:1:log:25".parse().unwrap();
-            let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, 16.0);
+            let amounts = gnomon::analysis::sweep::amounts(strategy, &bias, &scales(16.0));
             let question = Question { amounts: &amounts, max_acne: 0.0 };
             let swept = sweep(&chart, case.map.texel, strategy, &question);
-            let acne = swept.points[0].tally.of(Kind::Acne);
+            let acne = swept.points[0].tally.of(Kind::ACNE);
             let none_at_zero = matches!(
                 strategy,
                 Strategy::FrontCulling

@@ -6,7 +6,7 @@
 #[path = "timing.rs"]
 mod timing;
 
-use gnomon::analysis::sweep::chart::{Attachment, Chart, usable_filter};
+use gnomon::analysis::sweep::chart::{Attachment, Chart};
 use gnomon::analysis::sweep::evaluate::sweep_formats;
 use gnomon::analysis::sweep::looks::{self, Looks};
 use gnomon::analysis::sweep::taps::Taps;
@@ -42,7 +42,7 @@ fn pair(mut first: impl FnMut(), mut second: impl FnMut()) -> [f64; 2] {
 /// The whole sweep of the constant strategy: map, look-ups, counts, thresholds.
 fn whole(field: &Field<'_>, amounts: &[f32]) {
     let case = field.case();
-    let filter = usable_filter(case.lookup.filter, case.map.texel);
+    let filter = case.map.texel.usable(case.lookup.filter);
     let chart = Chart::new(field, case.map.size, filter, Attachment::of(case.map.texel));
     let question = Question { amounts, max_acne: 0.0 };
     let swept = sweep(&chart, case.map.texel, Strategy::Constant, &question);
@@ -110,7 +110,7 @@ fn main() {
             1e3 * many,
             many / one
         );
-        let filter = usable_filter(case.lookup.filter, case.map.texel);
+        let filter = case.map.texel.usable(case.lookup.filter);
         let chart = Chart::new(&field, case.map.size, filter, Attachment::of(case.map.texel));
         let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0));
         let taps = Taps::on(&chart, case.map.texel, Strategy::Constant);

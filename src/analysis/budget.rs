@@ -1,10 +1,10 @@
 //! How much of a needed bias comes from where: slope and arithmetic, format, packing, filter.
 
 use super::sweep::Field;
-use super::sweep::chart::{Attachment, Chart, usable_filter};
+use super::sweep::chart::{Attachment, Chart};
 use super::sweep::tally::Kind;
 use super::sweep::taps::Taps;
-use crate::depth::{DepthFormat, Packing};
+use crate::depth::DepthFormat;
 use crate::report::number::significant;
 use crate::scene::{Filter, TexelFormat};
 use crate::shadow::bias::Strategy;
@@ -54,7 +54,7 @@ impl<'f, 'a> Charts<'f, 'a> {
     }
 
     fn chart(&mut self, format: TexelFormat, filter: Filter) -> &Chart<'f, 'a> {
-        let (filter, attachment) = (usable_filter(filter, format), Attachment::of(format));
+        let (filter, attachment) = (format.usable(filter), Attachment::of(format));
         let known =
             self.drawn.iter().position(|c| c.filter == filter && c.attachment == attachment);
         let at = known.unwrap_or_else(|| {
@@ -68,16 +68,7 @@ impl<'f, 'a> Charts<'f, 'a> {
 /// The smallest amount of a strategy that ends acne.
 fn critical(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy) -> Option<f64> {
     let curve = Taps::on(chart, format, strategy).curve_on(chart, format, strategy);
-    curve.quiet_from(0, Kind::Acne).map(f64::from)
-}
-
-/// A sound format with the bits of a packing that are worth keeping.
-const fn sound(format: TexelFormat) -> TexelFormat {
-    match format {
-        TexelFormat::Packed(Packing::R8) => TexelFormat::Depth(DepthFormat::Unorm8),
-        TexelFormat::Packed(_) => TexelFormat::Depth(DepthFormat::Unorm32),
-        depth => depth,
-    }
+    curve.quiet_from(0, Kind::ACNE).map(f64::from)
 }
 
 impl Budget {
@@ -91,7 +82,7 @@ impl Budget {
         let mut at =
             |format, filter| critical(charts.chart(format, filter), format, Strategy::Constant);
         let ideal = at(float, Filter::Nearest).unwrap_or(0.0);
-        let stored = at(sound(own), Filter::Nearest).unwrap_or(ideal);
+        let stored = at(TexelFormat::Depth(own.sound()), Filter::Nearest).unwrap_or(ideal);
         let nearest = at(own, Filter::Nearest);
         let total = at(own, filter);
         let float_total = at(float, filter);
@@ -158,7 +149,7 @@ fn slope_need(chart: &Chart<'_, '_>) -> f64 {
     let format = TexelFormat::Depth(DepthFormat::F32);
     let looks = chart.looks(format, &Strategy::Constant.with(0.0));
     let rule = field.case().lookup.compare;
-    let acne = |look: &super::sweep::looks::Looks| look.verdict(rule, 0.0).0 == Some(Kind::Acne);
+    let acne = |look: &super::sweep::looks::Looks| look.verdict(rule, 0.0).0 == Some(Kind::ACNE);
     let needs = field.samples.iter().zip(&looks).filter(|(_, l)| acne(l)).map(|(s, _)| {
         let need = (s.gradient.x.abs() + s.gradient.y.abs()) / (2.0 * f64::from(size));
         if need.is_finite() { need } else { 0.0 }

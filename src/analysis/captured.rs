@@ -126,7 +126,7 @@ impl CapturedArguments {
             size.ok_or_else(|| missing("a size", "give --map-width and --map-height"))?;
         let side = side(place, width, height)?;
         let texels = side as usize * side as usize;
-        let step = texel_bytes(format);
+        let step = format.bytes() as usize;
         if bytes.len() != texels * step {
             let reason =
                 format!("holds {} bytes, not {side} x {side} texels of {step} bytes", bytes.len());
@@ -149,15 +149,6 @@ impl CapturedArguments {
                 from_codes(place, side, format, codes, device)
             }
         }
-    }
-}
-
-/// Bytes of a texel in a raw file.
-const fn texel_bytes(format: TexelFormat) -> usize {
-    match format {
-        TexelFormat::Depth(DepthFormat::Unorm8) => 1,
-        TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::F16 | DepthFormat::Bf16) => 2,
-        _ => 4,
     }
 }
 
@@ -318,7 +309,7 @@ fn code(map: &ShadowMap, device: &Device, format: DepthFormat, texel: usize) -> 
 }
 
 fn raw_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
-    let step = texel_bytes(map.format());
+    let step = map.format().bytes() as usize;
     let texel = |i: usize| match map.format() {
         TexelFormat::Packed(_) => map.bytes(i).unwrap_or_default(),
         TexelFormat::Depth(format) => code(map, device, format, i).to_le_bytes(),

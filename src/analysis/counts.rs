@@ -1,6 +1,6 @@
 //! Everything that a measurement counts over its receivers, in one pass on all threads.
 
-use super::classify::{Artifact, Outcome};
+use super::classify::{Artifact, Kind};
 use super::curve::Thresholds;
 use super::ladder::Rung;
 use super::measurement::{Gap, InteriorTotal, Samples, ShadowInterior, Tally, Wrongs};
@@ -41,8 +41,8 @@ pub(super) struct Counts<'o> {
 struct Wrong {
     /// |v − truth| of each.
     weights: Vec<f64>,
-    by_cause: [u64; 5],
-    by_artifact: [u64; 5],
+    by_cause: [u64; Rung::ALL.len()],
+    by_artifact: [u64; Artifact::ALL.len()],
 }
 
 impl<'o> Counts<'o> {
@@ -114,7 +114,7 @@ impl<'o> Counts<'o> {
 
     fn shadowed(&mut self, o: &'o Observation, object: &impl Fn(u32) -> u16) {
         self.wrongs[1].add(o, o.visibility());
-        if o.outcome.fault().is_some_and(|f| f.artifact == Artifact::PeterPanning) {
+        if o.outcome.fault().is_some_and(|f| f.kind == Kind::PETER_PANNING) {
             self.panning.push(o);
         }
         if o.stored[0].is_finite() {
@@ -149,20 +149,18 @@ impl<'o> Counts<'o> {
     pub(super) fn wrongs(&self, truly_lit: bool, population: u64) -> Wrongs {
         let wrong = &self.wrongs[usize::from(!truly_lit)];
         let count = wrong.weights.len() as u64;
-        let names = Rung::ALL.iter().map(|rung| rung.name());
-        let artifacts = Artifact::ALL.iter().map(|artifact| artifact.name());
         Wrongs {
             count,
             rate: if population == 0 { 0.0 } else { count as f64 / population as f64 },
             weight: wrong.weights.iter().fold(0.0, |sum, weight| sum + weight),
-            by_cause: names.zip(wrong.by_cause).collect(),
-            by_artifact: artifacts.zip(wrong.by_artifact).collect(),
+            by_cause: Rung::ALL.iter().copied().zip(wrong.by_cause).collect(),
+            by_artifact: Artifact::ALL.iter().copied().zip(wrong.by_artifact).collect(),
         }
     }
 
     /// Counts of wrong verdicts on each rung.
-    pub(super) fn wrong_on_rung(&self) -> BTreeMap<&'static str, u64> {
-        Rung::ALL.iter().map(|rung| rung.name()).zip(self.on_rung).collect()
+    pub(super) fn wrong_on_rung(&self) -> BTreeMap<Rung, u64> {
+        Rung::ALL.iter().copied().zip(self.on_rung).collect()
     }
 
     /// All receivers by the name of their object.
@@ -201,10 +199,10 @@ impl<'o> Counts<'o> {
 
 impl Wrong {
     fn add(&mut self, o: &Observation, weight: f64) {
-        if let Outcome::FalseShadow(fault) | Outcome::FalseLight(fault) = o.outcome {
+        if let Some(fault) = o.outcome.fault() {
             self.weights.push(weight);
             self.by_cause[fault.cause as usize] += 1;
-            self.by_artifact[fault.artifact as usize] += 1;
+            self.by_artifact[fault.kind.artifact() as usize] += 1;
         }
     }
 

@@ -61,7 +61,9 @@ fn write_chain(out: &mut String, observer: &Observer<'_>, o: &Observation) -> st
     writeln!(out, "visibility  {} of {} taps lit", o.lit_taps, o.taps.depths().len())?;
     match o.outcome.fault() {
         None => writeln!(out, "outcome     agrees with the truth, or does not count"),
-        Some(fault) => writeln!(out, "outcome     {} caused by {}", fault.artifact, fault.cause),
+        Some(fault) => {
+            writeln!(out, "outcome     {} caused by {}", fault.kind.artifact(), fault.cause)
+        }
     }
 }
 

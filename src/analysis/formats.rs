@@ -1,6 +1,6 @@
 //! 8, 16, 24 and 32 bits of depth, plain and reversed: what each costs on a case.
 
-use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
+use super::sweep::chart::{Attachment, Chart};
 use super::sweep::curve::Curve;
 use super::sweep::pictures::Gallery;
 use super::sweep::plots::thinned;
@@ -84,15 +84,15 @@ impl Measured {
         };
         let taps = Taps::on(chart, format, Strategy::Constant);
         let curve = taps.curve(&looks, case.lookup.compare);
-        let critical = curve.quiet_from(0, Kind::Acne);
+        let critical = curve.quiet_from(0, Kind::ACNE);
         let own = curve.at(&[case.bias])[0];
         let [lit, shadowed] = field.populations.map(|n| n.max(1) as f64);
         Self {
             format,
             reversed,
             critical,
-            acne: own.of(Kind::Acne) as f64 / lit,
-            faults: own.of(Kind::EncodingFault) as f64 / lit,
+            acne: own.of(Kind::ACNE) as f64 / lit,
+            faults: own.of(Kind::ENCODING_FAULT) as f64 / lit,
             false_light: own.false_light() as f64 / shadowed,
             gap: critical.map(|b| curve.gaps_at(&[b])[0]),
             quantum_world: quantum_world(field, format, reversed),
@@ -140,15 +140,11 @@ fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<f64> {
     curve.at(&biases()).iter().map(|t| (t.false_shadow() + t.false_light()) as f64 / all).collect()
 }
 
-/// One step of the format at the middle receiver. R8 and the book's packing keep 1/255: the book's
-/// four bytes lose what its first one rounds away.
+/// One step of the format at the middle receiver, world units.
 fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> f64 {
     let Some(middle) = field.samples.get(field.samples.len() / 2) else { return f64::NAN };
     let z = middle.exact.z as f32;
-    let step = match format {
-        TexelFormat::Packed(Packing::R8 | Packing::Book) => 1.0 / 255.0,
-        format => quantum(format, if reversed { 1.0 - z } else { z }),
-    };
+    let step = format.step(if reversed { 1.0 - z } else { z });
     step / field.site(middle, &field.case().layout()).window_per_world
 }
 
@@ -158,7 +154,7 @@ pub fn measure(field: &Field<'_>) -> Vec<Measured> {
     let case = field.case();
     let chart = |attachment| {
         let format = *FORMATS.iter().find(|&&f| Attachment::of(f) == attachment)?;
-        let filter = usable_filter(case.lookup.filter, format);
+        let filter = format.usable(case.lookup.filter);
         Some(Chart::new(field, case.map.size, filter, attachment))
     };
     let (depth, colour) = (chart(Attachment::Depth), chart(Attachment::Colour));
@@ -276,8 +272,9 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         let of = |f: TexelFormat| {
             formats.iter().find(|m| m.format == f && !m.reversed).and_then(|m| m.critical)
         };
+        let depth = |format| of(TexelFormat::Depth(format));
         criticals.extend(FORMATS.iter().map(|&f| of(f).map(f64::from)));
-        let (fine, finest) = (of(FORMATS[3]), of(FORMATS[6]));
+        let (fine, finest) = (depth(DepthFormat::Unorm16), depth(DepthFormat::F32));
         alike += usize::from(matches!((fine, finest), (Some(a), Some(b)) if a <= 1.1 * b));
         for m in &formats {
             table.push(row(case, m, texel));

@@ -1,14 +1,19 @@
 //! A counted receiver on the ladder: depths and verdicts of every rung, and the name of what is wrong.
 
-use super::classify::{self, Fault, Outcome, StoredCaster};
+use super::classify::{Fault, Outcome, StoredCaster};
 use super::ladder::{self, Rung};
 use super::observation::Observation;
 use super::observe::Observer;
+use super::verdict::counted::Counted;
+use super::verdict::{self, Held, LookUp, SHARE, Verdict};
 use crate::light::{Lens, Lookup, Rect};
 use crate::raster::NO_TRIANGLE;
+use crate::raster::passes::Subject;
 use crate::scene::Filter;
+use crate::shadow::in_square;
 use crate::truth::{Answer, Faces, FirstHit, Receiver, Truth};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 impl Observer<'_> {
     /// Fills in the stored depth and the verdict of every rung; `centre_depth` is the exact depth at
@@ -148,63 +153,112 @@ impl Observer<'_> {
     /// The tap and texel that decided, and the verdict's name.
     pub(super) fn name(&self, o: &mut Observation) {
         let truly_lit = o.answer.truth == Truth::Lit;
-        let (deciding, texel) = self.deciding_texel(o, truly_lit);
-        o.texel = texel;
-        o.caster = self.stored_caster(o, deciding, o.texel);
-        let own = |tap: usize, t: u32| match t == o.texel && tap == deciding {
-            true => o.caster == StoredCaster::Own,
+        let seen = Seen { observer: self, o, truly_lit };
+        let found = verdict::verdict(&seen, truly_lit);
+        // Where nothing is wrong, NEAREST's texel speaks for the look-up.
+        let (part, texel) = match found {
+            Some(Verdict { part: Some(part), .. }) => (part, seen.texel(part)),
+            Some(Verdict { part: None, .. }) | None => {
+                (o.taps.centre(), o.taps.texels(o.taps.centre())[0])
+            }
+        };
+        let caster = self.stored_caster(o, part, texel);
+        let own = |tap: usize, t: u32| match (tap, t) == (part, texel) {
+            true => caster == StoredCaster::Own,
             false => self.stored_caster(o, tap, t) == StoredCaster::Own,
         };
-        o.own_surface =
+        let own_surface =
             (0..o.taps.depths().len()).all(|i| o.taps.texels(i).iter().all(|&t| own(i, t)));
-        let Some(cause) = ladder::cause(&o.wrong) else { return };
-        let fault = |artifact| Fault { artifact, cause };
-        o.outcome = if truly_lit {
-            Outcome::FalseShadow(fault(classify::false_shadow(o.caster, self.is_sound(o.texel))))
-        } else {
-            let wrong_on_bias = o.wrong[Rung::Bias as usize];
-            Outcome::FalseLight(fault(classify::false_light(o.caster, wrong_on_bias)))
-        };
-    }
-
-    /// The centre tap and its texel, or those of the first wrong tap where the centre is right. Where a mix
-    /// of texels made a false shadow, the nearest of them to the light.
-    pub(super) fn deciding_texel(&self, o: &Observation, truly_lit: bool) -> (usize, u32) {
-        let case = self.case();
-        let is_wrong = |i: usize| o.taps.is_lit(case.lookup.compare, i, case.bias) != truly_lit;
-        let centre = o.taps.centre();
-        let tap = if is_wrong(centre) {
-            centre
-        } else {
-            (0..o.taps.depths().len()).find(|&i| is_wrong(i)).unwrap_or(centre)
-        };
-        let texels = o.taps.texels(tap);
-        if case.lookup.filter != Filter::Linear || !truly_lit || !is_wrong(tap) {
-            return (tap, texels[0]);
+        (o.texel, o.caster, o.own_surface) = (texel, caster, own_surface);
+        if let (Some(Verdict { kind, .. }), Some(cause)) = (found, ladder::cause(&o.wrong)) {
+            o.outcome = Outcome::Wrong(Fault { kind, cause });
         }
-        let depth = |t: &u32| self.subject.map.depth(&self.subject.device, *t as usize);
-        let nearest = texels.iter().copied().min_by(|a, b| depth(a).total_cmp(&depth(b)));
-        (tap, nearest.unwrap_or(texels[0]))
     }
 
-    /// Whose surface a tap's own verdict rests on, and whether its texel is sound. Where a mix of
-    /// texels makes a false shadow, the nearest of them to the light.
+    /// Whose surface a tap's own verdict rests on, and whether its texel is sound.
     #[must_use]
     pub fn tap_caster(&self, o: &Observation, tap: usize) -> (StoredCaster, bool) {
-        let texels = o.taps.texels(tap);
-        let depth = |t: &u32| self.subject.map.depth(&self.subject.device, *t as usize);
-        let nearest = || texels.iter().copied().min_by(|a, b| depth(a).total_cmp(&depth(b)));
-        let mixed = self.case().lookup.filter == Filter::Linear && o.truly_lit() == Some(true);
-        let texel = if mixed { nearest().unwrap_or(texels[0]) } else { texels[0] };
-        (self.stored_caster(o, tap, texel), self.is_sound(texel))
+        let seen = Seen { observer: self, o, truly_lit: o.truly_lit() == Some(true) };
+        (seen.caster(tap), seen.is_sound(tap))
     }
 
-    /// Whether a texel decodes to the depth it was drawn with, up to two codes of one 8-bit channel:
-    /// what even the coarsest sound store keeps.
-    pub(super) fn is_sound(&self, texel: u32) -> bool {
-        let drawn = self.subject.map_raster.depth[texel as usize].clamp(0.0, 1.0);
-        let read = self.subject.map.window_depth(&self.subject.device, texel as usize);
-        (f64::from(read) - f64::from(drawn)).abs() <= 2.0 / 255.0
+    /// The receivers that count by *wrong*, *mean* and *seen*.
+    #[must_use]
+    pub fn counted_by_measure(&self, observations: &[Observation]) -> Counted {
+        let chunk = |observations: &[Observation]| {
+            let mut counted = Counted::default();
+            for o in observations {
+                if let Some(truly_lit) = o.truly_lit() {
+                    let seen = Seen { observer: self, o, truly_lit };
+                    counted.add(&seen, truly_lit, self.cosine(&o.receiver));
+                }
+            }
+            counted
+        };
+        let chunks = observations.par_chunks(1 << 14).map(chunk);
+        chunks.reduce(Counted::default, |a, b| a.joined(&b))
+    }
+}
+
+/// What an observed receiver read, at the case's bias.
+struct Seen<'s> {
+    observer: &'s Observer<'s>,
+    o: &'s Observation,
+    truly_lit: bool,
+}
+
+impl Seen<'_> {
+    /// The texel whose surface a tap rests on.
+    fn texel(&self, tap: usize) -> u32 {
+        let texels = self.o.taps.texels(tap);
+        if self.observer.case().lookup.filter != Filter::Linear {
+            return texels[0];
+        }
+        let Subject { device, map, .. } = &self.observer.subject;
+        let depth = |i: usize| map.depth(device, texels[i] as usize);
+        texels[verdict::deciding_in_a_mix(self.truly_lit, texels.len(), depth)]
+    }
+}
+
+impl Held for Seen<'_> {
+    fn caster(&self, tap: usize) -> StoredCaster {
+        self.observer.stored_caster(self.o, tap, self.texel(tap))
+    }
+
+    fn is_sound(&self, tap: usize) -> bool {
+        let Subject { device, map, map_raster, .. } = &self.observer.subject;
+        let texel = self.texel(tap) as usize;
+        let drawn = map_raster.triangle[texel] != NO_TRIANGLE;
+        verdict::is_sound(drawn.then(|| map_raster.depth[texel]), map.window_depth(device, texel))
+    }
+
+    fn share(&self, tap: usize) -> i64 {
+        let all = self.parts() as f64;
+        (self.o.taps.weights().map_or(1.0 / all, |weights| weights[tap]) * SHARE) as i64
+    }
+}
+
+impl LookUp for Seen<'_> {
+    fn parts(&self) -> usize {
+        let tested = self.observer.case().lookup.range_test;
+        match &*self.o.lookups {
+            [only] if tested && !in_square(only.coord) => 0,
+            _ => self.o.taps.depths().len(),
+        }
+    }
+
+    fn centre(&self) -> usize {
+        self.o.taps.centre()
+    }
+
+    fn visibility(&self, tap: usize) -> f64 {
+        let (case, o) = (self.observer.case(), self.o);
+        let lit = o.taps.is_lit(case.lookup.compare, tap, case.bias);
+        if lit { 1.0 } else { 0.0 }
+    }
+
+    fn is_hidden(&self, _: usize) -> bool {
+        self.o.wrong[Rung::Bias as usize]
     }
 }
 

@@ -1,12 +1,14 @@
 //! Measuring a case: observe its receivers, then count, rate and name.
 
 use super::captured::Captured;
+use super::classify::Kind;
 use super::counts::Counts;
 use super::curve::Curve;
 use super::effort::{Count, Effort};
 use super::interior;
 use super::measurement::{Length, Measurement, Samples, Wrongs};
 use super::observe::{Observation, Observer};
+use super::verdict::counted::Measure;
 use super::walk::Walk;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::Case;
@@ -78,6 +80,8 @@ fn summarize(
         || stripe_period(observer, &counts.striped),
     );
     let (interior, interior_total) = counts.interiors(case);
+    let by_measure = observer.counted_by_measure(observations);
+    let seen_of = |kind: Kind| Some((kind, by_measure.seen_of(kind)?));
     let mut measurement = Measurement {
         name: case.name.clone(),
         document: case.document.clone(),
@@ -92,6 +96,9 @@ fn summarize(
         shadowed,
         false_shadow: counts.wrongs(true, lit),
         false_light: counts.wrongs(false, shadowed),
+        mean: by_measure.of(Measure::Mean),
+        seen: by_measure.of(Measure::Seen),
+        seen_by_kind: Kind::ALL.into_iter().filter_map(seen_of).collect(),
         wrong_on_rung: counts.wrong_on_rung(),
         without_bias: curve.at(0.0),
         headroom: counts.thresholds.headroom(),
@@ -148,7 +155,8 @@ fn stripe_period(observer: &Observer<'_>, list: &[&Observation]) -> Option<Lengt
 fn verdict(m: &Measurement) -> String {
     let percent = |w: &Wrongs| format!("{:.2} %", 100.0 * w.rate);
     let main = |w: &Wrongs| {
-        let largest = w.by_cause.iter().max_by_key(|(_, count)| **count);
+        // Of equals the last by name.
+        let largest = w.by_cause.iter().max_by_key(|(cause, count)| (**count, cause.name()));
         largest
             .filter(|(_, c)| **c > 0)
             .map_or_else(String::new, |(cause, _)| format!(", mostly from {cause}"))

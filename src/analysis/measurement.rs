@@ -1,7 +1,8 @@
 //! The numbers of a measured case, as they stand in `results.json`.
 
-use super::classify::Outcome;
+use super::classify::{Artifact, Kind, Side};
 use super::curve::{Errors, Thresholds};
+use super::ladder::Rung;
 use super::observe::Observation;
 use crate::scene::Fact;
 use serde::Serialize;
@@ -40,9 +41,9 @@ pub struct Wrongs {
     /// Σ|v − truth|.
     pub weight: f64,
     /// By the first rung from which the verdict stays wrong.
-    pub by_cause: BTreeMap<&'static str, u64>,
+    pub by_cause: BTreeMap<Rung, u64>,
     /// By what it is called.
-    pub by_artifact: BTreeMap<&'static str, u64>,
+    pub by_artifact: BTreeMap<Artifact, u64>,
 }
 
 /// Counts of one object's receivers.
@@ -67,10 +68,10 @@ impl Tally {
             Some(false) => self.shadowed += 1,
             None => {}
         }
-        match o.outcome {
-            Outcome::FalseShadow(_) => self.false_shadow += 1,
-            Outcome::FalseLight(_) => self.false_light += 1,
-            Outcome::Agree => {}
+        match o.outcome.fault().map(|fault| fault.kind.side()) {
+            Some(Side::FalseShadow) => self.false_shadow += 1,
+            Some(Side::FalseLight) => self.false_light += 1,
+            None => {}
         }
         let dark_without_bias = o.breakpoints.iter().any(|&b| b > 0.0);
         self.false_shadow_without_bias +=
@@ -173,8 +174,15 @@ pub struct Measurement {
     pub false_shadow: Wrongs,
     /// Truth shadowed, map says lit.
     pub false_light: Wrongs,
+    /// Σ|v − t| over all counted receivers as a share of them; `None` where there are none.
+    pub mean: Option<f64>,
+    /// Σ max(N·L, 0)·|v − t| / Σ max(N·L, 0): what a white surface shows; `None` where nothing faces the
+    /// light.
+    pub seen: Option<f64>,
+    /// The same by kind: they add up to it.
+    pub seen_by_kind: BTreeMap<Kind, f64>,
     /// Counts of wrong verdicts on each rung.
-    pub wrong_on_rung: BTreeMap<&'static str, u64>,
+    pub wrong_on_rung: BTreeMap<Rung, u64>,
     /// Errors without any bias.
     pub without_bias: Errors,
     /// Largest breakpoint of acne, smallest of lost shadow.

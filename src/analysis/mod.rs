@@ -23,4 +23,5 @@ pub mod pareto;
 pub mod roundtrip;
 pub mod sweep;
 pub mod tune;
+pub mod verdict;
 pub mod walk;

@@ -339,6 +339,28 @@ impl<'a> Observer<'a> {
         self.subject.map.taps(&self.subject.device, spec, lookups)
     }
 
+    /// The normal of the side of a receiver that the camera sees, not normalised: what shading and *seen*
+    /// go by. The geometric one.
+    #[must_use]
+    pub fn seen_normal(&self, receiver: &Receiver) -> DVec3 {
+        let normal = self.geometry.area_normal(receiver.triangle);
+        let to_camera = self.case().camera.view.position - receiver.position;
+        if normal.dot(to_camera) < 0.0 { -normal } else { normal }
+    }
+
+    /// The unit vector from a receiver towards the light.
+    fn to_light(&self, receiver: &Receiver) -> DVec3 {
+        self.sun.unwrap_or_else(|| self.case().light.direction_from(receiver.position))
+    }
+
+    /// N·L of the side of a receiver that the camera sees; 0 where it has no normal.
+    #[must_use]
+    pub fn cosine(&self, receiver: &Receiver) -> f64 {
+        let normal = self.seen_normal(receiver);
+        let cosine = normal.dot(self.to_light(receiver)) / crate::view::length(normal);
+        if cosine.is_finite() { cosine } else { 0.0 }
+    }
+
     /// Whether a receiver counts; `inside` are its exact coordinates if they lie in its map's volume.
     pub(super) fn standing(
         &self,
@@ -347,11 +369,7 @@ impl<'a> Observer<'a> {
         answer: &Answer,
     ) -> Standing {
         let case = self.case();
-        let normal = self.geometry.area_normal(receiver.triangle);
-        let to_camera = case.camera.view.position - receiver.position;
-        let towards_camera = if normal.dot(to_camera) < 0.0 { -normal } else { normal };
-        let to_light = self.sun.unwrap_or_else(|| case.light.direction_from(receiver.position));
-        if towards_camera.dot(to_light) <= 0.0 {
+        if self.seen_normal(receiver).dot(self.to_light(receiver)) <= 0.0 {
             Standing::FacingAway
         } else if inside.is_none() {
             Standing::OutsideMap

@@ -1,6 +1,7 @@
 //! Device profiles as data: what differs between implementations of one pipeline.
 
 mod fields;
+mod resolvable;
 
 use crate::depth::{DepthFormat, UnormLoad, UnormStore};
 pub use fields::{FIELDS, Field};

@@ -12,6 +12,7 @@ mod depth_clamp;
 mod depths;
 pub mod document;
 mod grazing;
+mod grid;
 mod mediump;
 mod origin;
 mod range;

@@ -1,6 +1,6 @@
 //! Windings that flip: a thin front face whose snapped vertices go round the other way.
 
-use super::coverage::{IDEAL, SIZE};
+use super::grid::{IDEAL, SIZE};
 use super::search::{Random, ladder, onset};
 use super::{Effort, Fate, Forecast, Row};
 use crate::raster::Setup;

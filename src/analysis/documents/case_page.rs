@@ -187,8 +187,8 @@ fn causes(m: &Measurement) -> Table {
             Cell::Percent(w.rate),
             Cell::Number(w.weight, 4),
         ];
-        cells.extend(Rung::ALL.iter().map(|r| Cell::count(w.by_cause[r.name()])));
-        cells.extend(Artifact::ALL.iter().map(|a| Cell::count(w.by_artifact[a.name()])));
+        cells.extend(Rung::ALL.iter().map(|r| Cell::count(w.by_cause[r])));
+        cells.extend(Artifact::ALL.iter().map(|a| Cell::count(w.by_artifact[a])));
         cells
     };
     let mut columns = vec![

@@ -1,9 +1,10 @@
 //! A case as an explorer: breakpoints, truth, artifacts and rungs of every receiver, for the page.
 
-use crate::analysis::classify::{Artifact, StoredCaster, false_light, false_shadow};
+use crate::analysis::classify::{Artifact, Kind, StoredCaster};
 use crate::analysis::ladder::Rung;
 use crate::analysis::measure::Measured;
 use crate::analysis::observe::{Observation, Observer, Standing};
+use crate::analysis::verdict::order;
 use crate::num::{from_ordinal, ordinal};
 use crate::report::explorer::{Class, Codes, Detail, Explorer, Field, Slider, Truth, Values, View};
 use crate::report::{Colour, explorer};
@@ -15,9 +16,9 @@ const DETAIL_SIDE: u32 = 200;
 const LIT: u8 = 0;
 const SHADOWED: u8 = 1;
 const FIRST_ARTIFACT: u8 = 2;
-const NOT_COUNTED: u8 = 7;
-const AMBIGUOUS: u8 = 8;
-const BACKGROUND: u8 = 9;
+const NOT_COUNTED: u8 = FIRST_ARTIFACT + Artifact::ALL.len() as u8;
+const AMBIGUOUS: u8 = NOT_COUNTED + 1;
+const BACKGROUND: u8 = NOT_COUNTED + 2;
 
 /// The case at every constant bias, and its variants beside it.
 pub(super) fn explorer(measured: &Measured<'_>, compared: &[Measured<'_>], step: u32) -> Explorer {
@@ -93,7 +94,7 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
     };
     for o in &seen {
         view.truth.push(truth(*o));
-        for tap in order(*o, taps) {
+        for tap in order(o.map_or(0, |o| o.taps.centre()), taps) {
             view.breakpoints.push(o.map_or(f32::INFINITY, |o| o.breakpoints[tap]));
             view.codes.push(codes(observer, *o, tap));
         }
@@ -107,12 +108,6 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
     view
 }
 
-/// The centre tap first: it decides where it is wrong.
-fn order(o: Option<&Observation>, taps: usize) -> impl Iterator<Item = usize> {
-    let centre = o.map_or(0, |o| o.taps.centre());
-    std::iter::once(centre).chain((0..taps).filter(move |tap| *tap != centre))
-}
-
 fn truth(o: Option<&Observation>) -> Truth {
     match o.and_then(Observation::truly_lit) {
         None => Truth::Apart,
@@ -121,8 +116,8 @@ fn truth(o: Option<&Observation>) -> Truth {
     }
 }
 
-fn artifact(artifact: Artifact) -> u8 {
-    FIRST_ARTIFACT + artifact as u8
+fn artifact(kind: Kind) -> u8 {
+    FIRST_ARTIFACT + kind.artifact() as u8
 }
 
 fn codes(observer: &Observer<'_>, o: Option<&Observation>, tap: usize) -> Codes {
@@ -134,7 +129,7 @@ fn codes(observer: &Observer<'_>, o: Option<&Observation>, tap: usize) -> Codes 
         (_, None) => apart(NOT_COUNTED),
         (_, Some(true)) => {
             let (stored, sound) = caster(o);
-            let shadowed = artifact(false_shadow(stored, sound));
+            let shadowed = artifact(Kind::false_shadow(stored, sound));
             Codes { shadowed, lit: LIT, lit_late: LIT, late: f32::INFINITY }
         }
         (_, Some(false)) => shadowed_codes(observer.case().lookup.compare, o, caster(o).0),
@@ -144,7 +139,7 @@ fn codes(observer: &Observer<'_>, o: Option<&Observation>, tap: usize) -> Codes 
 /// False light is named anew from the bias on that hides the occluder by itself.
 fn shadowed_codes(rule: CompareRule, o: &Observation, stored: StoredCaster) -> Codes {
     let late = exact_breakpoint(rule, o.exact.z, o.stored[Rung::Bias as usize]);
-    let lit = |wrong_on_bias| artifact(false_light(stored, wrong_on_bias));
+    let lit = |wrong_on_bias| artifact(Kind::false_light(stored, wrong_on_bias));
     Codes { shadowed: SHADOWED, lit: lit(false), lit_late: lit(true), late }
 }
 

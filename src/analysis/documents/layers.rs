@@ -62,7 +62,7 @@ fn channels() -> Vec<Channel<'static>> {
 /// 0 right, 1… the artifact, negative where the receiver does not count.
 fn class_code(o: &Observation) -> f32 {
     match (o.standing, o.outcome.fault()) {
-        (Standing::Counted, Some(fault)) => f32::from(fault.artifact as u8 + 1),
+        (Standing::Counted, Some(fault)) => f32::from(fault.kind.artifact() as u8 + 1),
         (Standing::Counted, None) => 0.0,
         (standing, _) => -f32::from(standing as u8),
     }

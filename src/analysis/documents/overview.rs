@@ -63,7 +63,7 @@ const fn knob(cause: Rung) -> &'static str {
 
 /// Wrong receivers of both kinds by cause.
 fn by_cause(m: &Measurement) -> [u64; 5] {
-    let of = |r: &Rung| m.false_shadow.by_cause[r.name()] + m.false_light.by_cause[r.name()];
+    let of = |r: &Rung| m.false_shadow.by_cause[r] + m.false_light.by_cause[r];
     std::array::from_fn(|i| of(&Rung::ALL[i]))
 }
 

@@ -47,7 +47,7 @@ pub(super) fn classified(
         (Colour::Light, "not counted".to_string()),
     ];
     let present = |a: &&Artifact| {
-        observations.iter().any(|o| o.outcome.fault().is_some_and(|f| f.artifact == **a))
+        observations.iter().any(|o| o.outcome.fault().is_some_and(|f| f.kind.artifact() == **a))
     };
     let faults = Artifact::ALL.iter().filter(present);
     legend.extend(faults.map(|a| (a.colour(), a.name().replace('-', " "))));
@@ -64,7 +64,7 @@ fn class(o: &Observation) -> Colour {
     match (o.truly_lit(), o.outcome) {
         (None, _) if o.standing == Standing::Ambiguous => Colour::Green,
         (None, _) => Colour::Light,
-        (_, Outcome::FalseShadow(fault) | Outcome::FalseLight(fault)) => fault.artifact.colour(),
+        (_, Outcome::Wrong(fault)) => fault.kind.artifact().colour(),
         (Some(true), Outcome::Agree) => Colour::White,
         (Some(false), Outcome::Agree) => Colour::Grey,
     }

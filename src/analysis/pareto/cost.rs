@@ -54,7 +54,7 @@ impl Cost {
         let average = if comparisons == 1 { 0 } else { comparisons };
         let [once, each] = strategy_operations(strategy);
         Self {
-            map_bytes: u64::from(size) * u64::from(size) * texel_bytes(format),
+            map_bytes: u64::from(size) * u64::from(size) * u64::from(format.bytes()),
             passes: match strategy.with(1.0).layers {
                 Layers::Nearest | Layers::BackFaces => 1,
                 _ => 2,
@@ -68,17 +68,6 @@ impl Cost {
                 + once
                 + each * comparisons,
         }
-    }
-}
-
-/// Bytes of a texel as graphics memory keeps it: 24-bit depth takes 32, packings are RGBA8.
-#[must_use]
-pub const fn texel_bytes(format: TexelFormat) -> u64 {
-    use crate::depth::DepthFormat::{Bf16, F16, F32, Unorm8, Unorm16, Unorm24, Unorm32};
-    match format {
-        TexelFormat::Depth(Unorm8) => 1,
-        TexelFormat::Depth(Unorm16 | F16 | Bf16) => 2,
-        TexelFormat::Depth(Unorm24 | Unorm32 | F32) | TexelFormat::Packed(_) => 4,
     }
 }
 

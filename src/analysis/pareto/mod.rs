@@ -16,7 +16,7 @@ pub mod time;
 use super::sweep::tally::{Kind, SHARE};
 use super::sweep::{self, CaseSweep, Plan, Swept};
 use crate::scene::Filter;
-use crate::shadow::bias::Strategy;
+use crate::shadow::bias::{Strategy, Unit};
 use cost::Cost;
 use serde::Serialize;
 
@@ -47,7 +47,7 @@ pub struct Entry {
     /// Its parameter.
     pub amount: f32,
     /// The parameter's unit.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// Whether acne is within the limit.
     pub acne_free: bool,
     /// What it costs.
@@ -77,7 +77,7 @@ impl Entry {
             errors: Errors {
                 false_shadow: share(point.tally.shadow, swept.populations[0]),
                 false_light: share(point.tally.light, swept.populations[1]),
-                peter_panning: match point.tally.of(Kind::PeterPanning) {
+                peter_panning: match point.tally.of(Kind::PETER_PANNING) {
                     0 => 0.0,
                     _ => point.gap,
                 },

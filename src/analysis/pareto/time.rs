@@ -37,7 +37,7 @@ fn seconds<T>(mut run: impl FnMut() -> T) -> f64 {
 fn map_texel(case: &Case, vertices: &Transformed, format: TexelFormat) -> (f64, f64, MapRaster) {
     let device = case.device.device();
     let mut own = case.clone();
-    own.map = crate::analysis::sweep::chart::map_spec(&case.map, case.map.size, format);
+    own.map = case.map.with(case.map.size, format);
     let draw = || draw_map(&own, &device, vertices, map_depth_buffer(&own));
     let drawn = draw();
     let store = || ShadowMap::store(&device, &own.map, &drawn.layout, drawn.drawn());
@@ -77,7 +77,7 @@ pub fn times(case: &Case, filters: &[Filter], ways: &[Way]) -> Value {
         let (draw_ns, store_ns, drawn) = map_texel(case, &vertices, format);
         maps.push(json!({ "format": format.name(), "size": case.map.size,
             "draw_ns_per_texel": draw_ns, "store_ns_per_texel": store_ns }));
-        let spec = crate::analysis::sweep::chart::map_spec(&case.map, case.map.size, format);
+        let spec = case.map.with(case.map.size, format);
         let map = ShadowMap::store(&device, &spec, &drawn.layout, drawn.drawn());
         for &filter in filters {
             let cost = Cost::of(format, case.map.size, filter, Strategy::Constant);

@@ -17,25 +17,13 @@
 //! only rounding is the last. It goes to the float nearest to the sum s, and z is a float, so
 //! |fl(s) − s| ≤ |z − s| and |fl(s) − z| ≤ 2|s − z|.
 
-use super::combination::Conditions;
+use super::conditions::{Conditions, Texels, paths};
 use super::layout::{Layout, Sums, layout};
+pub use super::proof::Bound;
 use super::unmasked;
-use crate::depth::roundtrip::{AnyRoundTrip, Path};
-use crate::depth::{
-    Arithmetic, ByteRounding, DepthFormat, FormatTrip, Packing, UnormLoad, UnormStore,
-};
+use crate::depth::{Arithmetic, DepthFormat, FormatTrip, Packing, UnormLoad, UnormStore};
 use crate::num::exp2;
-use serde::Serialize;
 use std::ops::RangeInclusive;
-
-/// A bound of |decoded − z| for 0 ≤ z < 1, and why it holds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Bound {
-    /// The bound, window depth.
-    pub value: f64,
-    /// The argument in a few words.
-    pub because: String,
-}
 
 /// The bound for a packing where one is known. None for half-precision arithmetic, nor where a byte
 /// of an integer does not come back.
@@ -90,80 +78,6 @@ pub fn format_bound(trip: FormatTrip) -> Option<Bound> {
         (format, None) => (format.quantum(0.5), " in [1/2, 1)"),
     };
     Some(Bound { value: (0.5 + exp2(-21)) * step, because: format!("half a step{of}") })
-}
-
-/// The texture unit: what store and sampler make of a channel. It is the round trip of a single
-/// channel, as catalogued.
-pub(super) struct Texels {
-    trip: AnyRoundTrip,
-    path: Path,
-    pub(super) real: bool,
-}
-
-fn paths(conditions: Conditions) -> impl Iterator<Item = Texels> {
-    conditions.paths().map(|path| Texels {
-        trip: path.of_packing(Packing::R8),
-        real: path.arithmetic == Arithmetic::Real,
-        path,
-    })
-}
-
-impl Texels {
-    /// `x` as the arithmetic holds it.
-    pub(super) fn rounded(&self, x: f64) -> f64 {
-        if self.real { x } else { f64::from(x as f32) }
-    }
-
-    /// What a channel value is read back as.
-    pub(super) fn sampled(&self, channel: f64) -> f64 {
-        match &self.trip {
-            AnyRoundTrip::F32(trip) => trip.decoded(channel as f32).into(),
-            AnyRoundTrip::F64(trip) => trip.decoded(channel),
-        }
-    }
-
-    pub(super) fn truncates(&self) -> bool {
-        self.path.rounding == ByteRounding::Floor { half: 0.0 }
-    }
-
-    /// Greatest distance of a sampled byte from k/255.
-    pub(super) fn sampler_error(&self) -> f64 {
-        let error = |k: u32| {
-            let exact = f64::from(k) / 255.0;
-            let sampled = match self.path.load {
-                UnormLoad::Divide if self.real => exact,
-                load => load.value(k, 255).into(),
-            };
-            (sampled - exact).abs()
-        };
-        (0..=255).map(error).fold(0.0, f64::max)
-    }
-
-    /// Greatest error of storing and sampling any value of [0, 1]; the store's own product and sum
-    /// round by 2⁻¹⁷ of a byte each in f32.
-    pub(super) fn loose_error(&self) -> f64 {
-        let byte = match self.path.rounding {
-            ByteRounding::Even => 0.5,
-            ByteRounding::Floor { half } => f64::max(half, 1.0 - half),
-        };
-        let rounding = if self.real { exp2(-44) } else { exp2(-16) };
-        (byte + rounding) / 255.0 + self.sampler_error()
-    }
-
-    fn bytes(&self) -> impl Iterator<Item = (f64, f64)> {
-        let read = |k: u32| self.rounded(255.0 * self.sampled(self.rounded(f64::from(k) / 255.0)));
-        (0..=255u32).map(move |k| (f64::from(k), read(k)))
-    }
-
-    /// Whether every byte k stored as k/255 comes back as round(255·sample).
-    fn keep_bytes(&self) -> bool {
-        self.bytes().all(|(k, read)| read.round_ties_even() == k)
-    }
-
-    /// Whether every byte comes back as ⌊255·sample⌋.
-    fn truncate_back(&self) -> bool {
-        self.bytes().all(|(k, read)| read.floor() == k)
-    }
 }
 
 /// The parts of a bound.

@@ -1,6 +1,6 @@
 //! The certificate of one combination: what a round trip loses, where, and what it forces.
 
-use super::bound::Bound;
+use super::proof::Bound;
 use super::sample::sampled_depths;
 use super::survey::{CUTS, FLOATS, Method};
 use super::tally::{Extreme, Tally, spacing};

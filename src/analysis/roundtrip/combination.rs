@@ -1,48 +1,27 @@
 //! One combination of packing (or format), store, sampler and arithmetic, from names to certificate.
 
-use super::bound::{Bound, bound, format_bound};
+use super::bound::{bound, format_bound};
 use super::certificate::{Certificate, Subject, certify};
+use super::conditions::Conditions;
+use super::proof::Bound;
 use super::sample::sample;
 use super::survey::{Method, survey, survey_format};
 use super::tally::Tally;
 use crate::depth::arith::Raw;
 use crate::depth::packing::{Pair, TextPair};
 use crate::depth::roundtrip::{AnyRoundTrip, Closures, Path};
-use crate::depth::{Arithmetic, ByteStore, FormatTrip, Packing, RoundTrip, UnormLoad};
+use crate::depth::{Arithmetic, FormatTrip, Packing, RoundTrip};
 use crate::simd::Level;
 
-/// What lies between pack and unpack, by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Conditions {
-    /// How a channel becomes a byte.
-    pub store: ByteStore,
-    /// How a byte becomes a float.
-    pub load: UnormLoad,
-    /// What the shader computes in.
-    pub arithmetic: Arithmetic,
-}
-
-impl Conditions {
-    /// f32 arithmetic, correctly rounded samples, the given store.
-    #[must_use]
-    pub fn plain(store: ByteStore) -> Self {
-        Self { store, load: UnormLoad::Divide, arithmetic: Arithmetic::F32 }
-    }
-
-    pub(super) fn paths(self) -> impl Iterator<Item = Path> {
-        let Self { store, load, arithmetic } = self;
-        store.roundings().iter().map(move |&rounding| Path { rounding, load, arithmetic })
-    }
-
-    fn subject(self, name: &str, channels: usize, bound: Option<Bound>) -> Subject {
-        Subject {
-            name: name.to_string(),
-            channels: Some(channels),
-            store: self.store.to_string(),
-            load: self.load.to_string(),
-            arithmetic: self.arithmetic.to_string(),
-            bound,
-        }
+/// What a certificate of a packing under some conditions is about.
+fn subject(under: Conditions, name: &str, channels: usize, bound: Option<Bound>) -> Subject {
+    Subject {
+        name: name.to_string(),
+        channels: Some(channels),
+        store: under.store.to_string(),
+        load: under.load.to_string(),
+        arithmetic: under.arithmetic.to_string(),
+        bound,
     }
 }
 
@@ -75,16 +54,16 @@ impl Effort {
     #[must_use]
     pub fn certify_packing(self, packing: Packing, conditions: Conditions) -> Certificate {
         let bound = bound(packing, conditions);
-        let subject = conditions.subject(packing.name(), packing.channels(), bound);
+        let of = subject(conditions, packing.name(), packing.channels(), bound);
         let trips = conditions.paths().map(|path| path.of_packing(packing)).collect();
-        self.certify_any(subject, trips)
+        self.certify_any(of, trips)
     }
 
     /// The certificate of a user's own pair.
     #[must_use]
     pub fn certify_text(self, name: &str, pair: TextPair, conditions: Conditions) -> Certificate {
-        let subject = conditions.subject(name, pair.channels(), None);
-        self.certify_pair(subject, pair, conditions)
+        let of = subject(conditions, name, pair.channels(), None);
+        self.certify_pair(of, pair, conditions)
     }
 
     /// The certificate of a pair written over [`Number`](crate::depth::arith::Number).
@@ -119,7 +98,7 @@ impl Effort {
         let trip = |path: Path| Closures::new(channels, path.rounding, path.load, &pack, &unpack);
         let trips: Vec<_> = conditions.paths().map(trip).collect();
         let trips: Vec<&dyn RoundTrip<f32>> = trips.iter().map(|t| t as _).collect();
-        self.certify(conditions.subject(name, channels, None), &trips)
+        self.certify(subject(conditions, name, channels, None), &trips)
     }
 
     fn certify_any(self, subject: Subject, trips: Vec<AnyRoundTrip>) -> Certificate {

@@ -2,7 +2,7 @@
 
 use super::bound::bound_at;
 use super::boundaries;
-use super::combination::Conditions;
+use super::conditions::Conditions;
 use crate::depth::Packing;
 use crate::depth::arith::Raw;
 use crate::depth::roundtrip::AnyRoundTrip;

@@ -1,6 +1,6 @@
 //! How each packing lays its digits out: what a bound needs to know of it.
 
-use super::bound::Texels;
+use super::conditions::Texels;
 use crate::depth::Packing;
 use crate::num::exp2;
 use std::ops::RangeInclusive;

@@ -10,7 +10,8 @@
 //! **Mismatched.** Channels that are weighed by other powers than those they were cut by say nothing
 //! of z: what is decoded lies between 0 and the sum of the weights.
 
-use super::bound::{Bound, Texels};
+use super::conditions::Texels;
+use super::proof::Bound;
 use crate::depth::Packing;
 use crate::num::exp2;
 

@@ -1,15 +1,15 @@
 //! One raster of one map size: everything that formats and biases read from it.
 
+use super::drawn::{Drawn, Known};
 use super::field::Field;
 use super::reads::{Reads, wanted_texels};
-use super::store::{Drawn, Known};
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::light::Layout;
 use crate::raster::passes::{MapPass, MapRaster};
 use crate::raster::{Fragments, PolygonOffset, Slots};
-use crate::scene::{DepthBuffer, Filter, MapSpec, TexelFormat};
+use crate::scene::{Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Site, Weights};
 use crate::shadow::{self, Footprints, Sampling};
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -33,29 +33,6 @@ impl Attachment {
             TexelFormat::Depth(_) => Self::Depth,
             TexelFormat::Packed(_) => Self::Colour,
         }
-    }
-}
-
-/// The maps of a case with another size and format. A case's own format keeps its clear colour; other
-/// packings clear to white. Depth textures are their own depth attachment.
-#[must_use]
-pub fn map_spec(own: &MapSpec, size: u32, texel: TexelFormat) -> MapSpec {
-    let packed = |t: TexelFormat| matches!(t, TexelFormat::Packed(_));
-    MapSpec {
-        size,
-        texel,
-        clear: if packed(own.texel) && packed(texel) { own.clear } else { [1.0; 4] },
-        depth_buffer: if packed(texel) { own.depth_buffer } else { DepthBuffer::Texture },
-        cull: own.cull,
-    }
-}
-
-/// LINEAR reads 0 from depth textures without a compare mode, so they are read NEAREST instead.
-#[must_use]
-pub fn usable_filter(filter: Filter, texel: TexelFormat) -> Filter {
-    match (filter, texel) {
-        (Filter::Linear, TexelFormat::Depth(_)) => Filter::Nearest,
-        _ => filter,
     }
 }
 
@@ -100,10 +77,11 @@ impl<'f, 'a> Chart<'f, 'a> {
         let case = field.case();
         let subject = &field.observer.subject;
         let device = subject.device;
-        let own = matches!(case.map.texel, TexelFormat::Packed(_));
-        let depth_buffer = match (attachment, case.map.depth_buffer) {
-            (Attachment::Colour, DepthBuffer::Unorm16) if own => DepthFormat::Unorm16,
-            _ => DepthFormat::F32,
+        let depth_buffer = match attachment {
+            Attachment::Colour => {
+                TexelFormat::Packed(Packing::R8).attachment(case.map.depth_buffer)
+            }
+            Attachment::Depth => DepthFormat::F32,
         };
         let layout = case.light.layout(size);
         let pass = MapPass { cull: case.map.cull, depth_buffer, offset: PolygonOffset::default() };
@@ -180,7 +158,7 @@ impl<'f, 'a> Chart<'f, 'a> {
     #[must_use]
     pub fn spec(&self, texel: TexelFormat) -> MapSpec {
         assert_eq!(Attachment::of(texel), self.attachment, "the format's own chart");
-        map_spec(&self.field.case().map, self.size, texel)
+        self.field.case().map.with(self.size, texel)
     }
 
     /// What a bias may know of a receiver under this map size.
@@ -199,21 +177,12 @@ impl<'f, 'a> Chart<'f, 'a> {
     /// Weights of the tap-side parameters of a receiver under a format.
     #[must_use]
     pub fn weights(&self, texel: TexelFormat, i: usize) -> Weights {
-        self.site_weights()[i].with_step(quantum(texel, self.field.receivers.z[i]))
+        self.site_weights()[i].with_step(texel.step(self.field.receivers.z[i]))
     }
 
     /// The indices of all receivers.
     #[must_use]
     pub fn all(&self) -> Vec<u32> {
         (0..self.field.samples.len() as u32).collect()
-    }
-}
-
-/// One step of a format at a window depth; of a packing, one step of all its channels together.
-#[must_use]
-pub fn quantum(texel: TexelFormat, depth: f32) -> f64 {
-    match texel {
-        TexelFormat::Depth(format) => format.quantum(depth.clamp(0.0, 1.0)),
-        TexelFormat::Packed(packing) => crate::num::exp2(-8 * packing.channels() as i32),
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// Receivers by [`Kind`].
-    kinds: [Steps; 6],
+    kinds: [Steps; Kind::COUNT],
     /// Of the taps of truly lit and of truly shadowed receivers; `None` while every look-up has one tap,
     /// whose share is all of it.
     shares: Option<[Shares; 2]>,
@@ -28,7 +28,7 @@ impl Curve {
     /// Counts one receiver of `kind` on [from, until).
     pub fn count(&mut self, kind: Kind, from: f32, until: f32) {
         if from < until && until > 0.0 {
-            self.kinds[kind as usize].count(from, until);
+            self.kinds[kind.index()].count(from, until);
         }
     }
 
@@ -125,13 +125,13 @@ impl Curve {
     /// amount too; `None` where that never happens.
     #[must_use]
     pub fn quiet_from(&self, limit: i64, kind: Kind) -> Option<f32> {
-        self.kinds[kind as usize].quiet_from(limit)
+        self.kinds[kind.index()].quiet_from(limit)
     }
 
     /// The smallest amount ≥ 0 at which a receiver is of `kind`; `None` if there is none.
     #[must_use]
     pub fn first(&self, kind: Kind) -> Option<f32> {
-        self.kinds[kind as usize].first()
+        self.kinds[kind.index()].first()
     }
 
     /// Every positive breakpoint, ascending, each once.
@@ -153,19 +153,19 @@ mod tests {
     #[test]
     fn a_curve_counts_half_open_intervals() {
         let mut curve = Curve::new(true);
-        curve.count(Kind::Acne, f32::NEG_INFINITY, 0.5);
-        curve.count(Kind::Acne, f32::NEG_INFINITY, 0.25);
-        curve.count(Kind::PeterPanning, 0.75, f32::INFINITY);
+        curve.count(Kind::ACNE, f32::NEG_INFINITY, 0.5);
+        curve.count(Kind::ACNE, f32::NEG_INFINITY, 0.25);
+        curve.count(Kind::PETER_PANNING, 0.75, f32::INFINITY);
         let curve = curve.sorted();
         let acne: Vec<i64> =
-            curve.at(&[0.0, 0.25, 0.4, 0.5, 1.0]).iter().map(|t| t.of(Kind::Acne)).collect();
+            curve.at(&[0.0, 0.25, 0.4, 0.5, 1.0]).iter().map(|t| t.of(Kind::ACNE)).collect();
         assert_eq!(acne, [2, 1, 1, 0, 0]);
-        assert_eq!(curve.quiet_from(0, Kind::Acne), Some(0.5));
-        assert_eq!(curve.quiet_from(1, Kind::Acne), Some(0.25));
-        assert_eq!(curve.quiet_from(2, Kind::Acne), Some(0.0));
-        assert_eq!(curve.first(Kind::PeterPanning), Some(0.75));
-        assert_eq!(curve.first(Kind::LightLeak), None);
-        assert_eq!(curve.quiet_from(0, Kind::PeterPanning), None);
+        assert_eq!(curve.quiet_from(0, Kind::ACNE), Some(0.5));
+        assert_eq!(curve.quiet_from(1, Kind::ACNE), Some(0.25));
+        assert_eq!(curve.quiet_from(2, Kind::ACNE), Some(0.0));
+        assert_eq!(curve.first(Kind::PETER_PANNING), Some(0.75));
+        assert_eq!(curve.first(Kind::LIGHT_LEAK), None);
+        assert_eq!(curve.quiet_from(0, Kind::PETER_PANNING), None);
         let full = SHARE as i64;
         let shares: Vec<_> = curve.at(&[0.25, 0.8]).iter().map(|t| (t.shadow, t.light)).collect();
         assert_eq!(shares, [(full, 0), (0, full)]);
@@ -174,13 +174,13 @@ mod tests {
     #[test]
     fn what_comes_and_goes_at_one_amount_is_never_there() {
         let mut curve = Curve::new(true);
-        curve.count(Kind::LightLeak, 0.25, 0.5);
-        curve.count(Kind::LightLeak, 0.5, 0.75);
-        curve.count(Kind::LightLeak, 0.1, 0.1);
+        curve.count(Kind::LIGHT_LEAK, 0.25, 0.5);
+        curve.count(Kind::LIGHT_LEAK, 0.5, 0.75);
+        curve.count(Kind::LIGHT_LEAK, 0.1, 0.1);
         let curve = curve.sorted();
-        assert_eq!(curve.first(Kind::LightLeak), Some(0.25));
-        assert_eq!(curve.quiet_from(0, Kind::LightLeak), Some(0.75));
-        assert_eq!(curve.quiet_from(1, Kind::LightLeak), Some(0.0));
+        assert_eq!(curve.first(Kind::LIGHT_LEAK), Some(0.25));
+        assert_eq!(curve.quiet_from(0, Kind::LIGHT_LEAK), Some(0.75));
+        assert_eq!(curve.quiet_from(1, Kind::LIGHT_LEAK), Some(0.0));
         assert_eq!(curve.breakpoints(), [0.25, 0.5, 0.75]);
     }
 

@@ -1,48 +1,20 @@
 //! The receivers of a case with their truth: found once, looked up under every map, format and bias.
 
-use super::moves::{self, Moves};
+use super::moves::Moves;
 use super::receivers::Receivers;
+pub use super::receivers::Sample;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
 use crate::light::{Layout, Lookup};
-use crate::scene::Case;
-use crate::shadow::Few;
+use crate::raster::passes::Subject;
+use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// One counted receiver.
-#[derive(Clone, Debug)]
-pub struct Sample {
-    /// Pixel of the canvas, from the bottom left.
-    pub pixel: [u32; 2],
-    /// Where it is.
-    pub receiver: Receiver,
-    /// Coordinates and compared depth in each map as the subject computes them.
-    pub coords: Few<[f32; 3]>,
-    /// The map that it looks up, or of two that are mixed the one with the larger share.
-    pub map: usize,
-    /// Its coordinates there.
-    pub coord: [f32; 3],
-    /// The same, f64.
-    pub exact: DVec3,
-    /// What it truly sees.
-    pub answer: Answer,
-    /// Whether it is truly lit.
-    pub lit: bool,
-    /// Window depth between it and its first occluder; +∞ where it has none.
-    pub gap: f64,
-    /// Way on the surface towards the light until the true shadow ends, world units; 0 for the lit.
-    pub inside: f64,
-    /// Unit normal on the side that is seen.
-    pub normal: DVec3,
-    /// Window depth of its plane per unit of u and v.
-    pub gradient: DVec2,
-}
 
 /// All counted receivers of a case.
 #[derive(Debug)]
@@ -106,11 +78,19 @@ impl<'a> Field<'a> {
     pub fn looking_from(&self, recipe: &Recipe, layout: &Layout) -> Self {
         let of = |sample: &Sample| {
             let offset = recipe.receiver_offset(&self.site(sample, layout));
-            let coord = moves::moved(self, sample, offset).unwrap_or(sample.coord);
+            let coord = self.moved(sample, offset).unwrap_or(sample.coord);
             Sample { coord, ..sample.clone() }
         };
         let samples = self.samples.iter().map(of).collect();
         Self::of(self.observer.clone(), samples)
+    }
+
+    /// The subject's own coordinates of a receiver plus the change of the exact ones, one rounding each;
+    /// `None` behind the light.
+    pub(super) fn moved(&self, sample: &Sample, offset: DVec3) -> Option<[f32; 3]> {
+        let look = self.observer.lenses[sample.map].look(sample.receiver.position + offset)?;
+        let change = (look - sample.exact).as_vec3().to_array();
+        Some(std::array::from_fn(|i| sample.coord[i] + change[i]))
     }
 
     /// Whether what no result depends on is left out.
@@ -139,6 +119,39 @@ impl<'a> Field<'a> {
             gradient: sample.gradient,
             map_size,
         }
+    }
+
+    /// The receiver in the middle of the list: where units are converted. `None` where there is none.
+    #[must_use]
+    pub fn middle(&self) -> Option<&Sample> {
+        self.samples.get(self.samples.len() / 2)
+    }
+
+    /// What a polygon offset multiplies on the receiver's own triangle in its map of a format: slope m and
+    /// unit r, window depth, as the sweeps draw it.
+    #[must_use]
+    pub fn offset_terms(&self, sample: &Sample, layout: &Layout, format: TexelFormat) -> [f32; 2] {
+        let Subject { device, .. } = &self.observer.subject;
+        let setup = self.observer.subject.map_setup(sample.receiver.triangle, sample.map, layout);
+        let attachment = self.case().map.with(layout.side(), format).attachment();
+        [setup.max_slope(device), setup.resolvable(device, attachment)]
+    }
+
+    /// The smallest positive unit r among the triangles that receivers lie on; 2⁻²⁴ where there is none.
+    #[must_use]
+    pub fn smallest_resolvable(&self, size: u32, format: TexelFormat) -> f64 {
+        let attachment = self.case().map.with(size, format).attachment();
+        let subject = &self.observer.subject;
+        let layout = self.case().light.layout(size);
+        let unit = |(t, map): (u32, usize)| {
+            subject.map_setup(t, map, &layout).resolvable(&subject.device, attachment)
+        };
+        let seen = self.samples.iter().map(|s| (s.receiver.triangle, s.map));
+        let mut triangles: Vec<(u32, usize)> = seen.collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        let least = triangles.into_iter().map(unit).filter(|&r| r > 0.0).fold(f32::MAX, f32::min);
+        if least < f32::MAX { least.into() } else { crate::num::exp2(-24) }
     }
 
     /// Whose surface a stored triangle is to a receiver.

@@ -1,6 +1,8 @@
 //! Verdicts for continuous integration: limits on acne and peter-panning, and an older run to compare
 //! with.
 
+use super::results::combination;
+pub use super::results::key;
 use super::{CaseSweep, Point, Swept};
 use crate::{Error, Result};
 use serde_json::Value;
@@ -60,12 +62,6 @@ pub struct Limits {
     pub peter_panning: Option<Length>,
 }
 
-/// A combination's name in messages and files.
-#[must_use]
-pub fn key(case: &str, s: &Swept) -> String {
-    format!("{case} {} {} {} {}", s.size, s.format.name(), s.filter, s.strategy)
-}
-
 /// Combinations that fail, one sentence each.
 #[must_use]
 pub fn failures(sweeps: &[CaseSweep], limits: &Limits) -> Vec<String> {
@@ -81,7 +77,7 @@ pub fn failures(sweeps: &[CaseSweep], limits: &Limits) -> Vec<String> {
 
 fn failure(case: &CaseSweep, s: &Swept, limits: &Limits) -> Option<String> {
     let lit = s.populations[0].max(1) as f64;
-    let rate = |p: &Point| p.tally.of(super::tally::Kind::Acne) as f64 / lit;
+    let rate = |p: &Point| p.tally.of(super::tally::Kind::ACNE) as f64 / lit;
     let texel = case.texel_world * f64::from(case.own_size) / f64::from(s.size);
     let longest = limits.peter_panning.map_or(f64::INFINITY, |length| match length {
         Length::Texels(n) => n * texel,
@@ -143,7 +139,7 @@ pub fn compare(baseline: &Value, sweeps: &[CaseSweep]) -> Result<Comparison> {
             continue;
         };
         seen += 1;
-        let (was, is) = (cost(before), cost(&super::report::combination(s)));
+        let (was, is) = (cost(before), cost(&combination(s)));
         match is.partial_cmp(&was) {
             Some(std::cmp::Ordering::Equal) => comparison.same += 1,
             Some(std::cmp::Ordering::Less) => comparison.better += 1,

@@ -2,8 +2,9 @@
 
 use super::curve::Curve;
 use super::tally::{Kind, SHARE, Tally};
-use super::turns::{Held, Turns};
-use crate::analysis::classify::{self, Artifact, StoredCaster};
+use super::turns::{Along, Turns};
+use crate::analysis::classify::StoredCaster;
+use crate::analysis::verdict::Held;
 use crate::scene::CompareRule;
 use crate::shadow::{Few, breakpoint_where};
 use rayon::prelude::*;
@@ -19,7 +20,7 @@ pub struct Look {
     pub share: i64,
     /// Whose surface is stored.
     pub caster: StoredCaster,
-    /// Whether the depth read is the one drawn, up to two codes of 8 bits.
+    /// Whether the depth read is the one drawn: [`crate::analysis::verdict::is_sound`].
     pub sound: bool,
     /// Window depth that the caster was moved away from the light.
     pub gained: f64,
@@ -42,26 +43,9 @@ pub struct Looks {
     pub moved_into_light: bool,
 }
 
-/// The kind of a false shadow by a tap that holds `caster`.
-pub(super) fn shadow_kind(caster: StoredCaster, sound: bool) -> Kind {
-    match classify::false_shadow(caster, sound) {
-        Artifact::Acne => Kind::Acne,
-        Artifact::EncodingFault => Kind::EncodingFault,
-        _ => Kind::EdgeShadow,
-    }
-}
-
-/// The kind of a false light; `hidden` where the bias alone loses the occluder.
-pub(super) fn light_kind(caster: StoredCaster, hidden: bool) -> Kind {
-    match classify::false_light(caster, hidden) {
-        Artifact::PeterPanning => Kind::PeterPanning,
-        Artifact::EdgeAliasing => Kind::EdgeLight,
-        _ => Kind::LightLeak,
-    }
-}
-
 impl Looks {
-    /// The literal verdict at one bias, by the case's own f32 rule: what went wrong, if anything.
+    /// The literal verdict at one bias, by the case's own f32 rule: what went wrong, if anything. It is
+    /// the arbiter of [`crate::analysis::verdict`] and says by itself which tap decides.
     #[must_use]
     pub fn verdict(&self, rule: CompareRule, bias: f32) -> (Option<Kind>, i64) {
         let is_lit = |look: &Look| rule.is_lit(look.z, look.stored, bias);
@@ -70,13 +54,13 @@ impl Looks {
         let centre = self.taps.get(self.centre).filter(|l| wrong(l));
         let Some(look) = centre.or_else(|| self.taps.iter().find(|l| wrong(l))) else {
             let lost = self.taps.is_empty() && !self.lit;
-            return (lost.then_some(Kind::LightLeak), if lost { SHARE as i64 } else { 0 });
+            return (lost.then_some(Kind::LIGHT_LEAK), if lost { SHARE as i64 } else { 0 });
         };
         let hidden = self.moved_into_light || f64::from(bias) + look.gained >= self.gap;
         let kind = if self.lit {
-            shadow_kind(look.caster, look.sound)
+            Kind::false_shadow(look.caster, look.sound)
         } else {
-            light_kind(look.caster, hidden)
+            Kind::false_light(look.caster, hidden)
         };
         (Some(kind), weight)
     }
@@ -85,7 +69,7 @@ impl Looks {
     pub fn tally(&self, rule: CompareRule, bias: f32, tally: &mut Tally) {
         let (kind, weight) = self.verdict(rule, bias);
         if let Some(kind) = kind {
-            tally.kinds[kind as usize] += 1;
+            tally.kinds[kind.index()] += 1;
         }
         *(if self.lit { &mut tally.shadow } else { &mut tally.light }) += weight;
     }
@@ -129,7 +113,9 @@ impl<B: Fn(f32) -> f32> Held for Kept<'_, B> {
     fn share(&self, tap: usize) -> i64 {
         self.looks.taps[tap].share
     }
+}
 
+impl<B: Fn(f32) -> f32> Along for Kept<'_, B> {
     fn hides(&self, tap: usize) -> f32 {
         if self.looks.moved_into_light {
             return f32::NEG_INFINITY;

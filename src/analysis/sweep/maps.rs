@@ -2,13 +2,14 @@
 //! of some formats.
 
 use super::chart::{Attachment, Chart};
+use super::drawn::{Drawn, Places};
 use super::field::Field;
-use super::store::{Drawn, Places, Store};
+use super::store::Store;
 use crate::analysis::classify::StoredCaster;
 use crate::depth::DepthFormat;
 use crate::light::{Lens, Rect};
 use crate::raster::{Fragments, NO_TRIANGLE, Resolve};
-use crate::scene::{Cull, DepthBuffer, TexelFormat};
+use crate::scene::{Cull, TexelFormat};
 use crate::shadow::bias::{Layers, Recipe, Site};
 use crate::view::ClipSpace;
 use glam::{DVec3, Vec4};
@@ -98,11 +99,9 @@ impl Chart<'_, '_> {
         slots: &[u32],
     ) -> Drawn<'static> {
         let spec = self.spec(texel);
-        let (resolvable, depth_buffer) = match (texel, spec.depth_buffer) {
-            (TexelFormat::Depth(format), _) => (format, DepthFormat::F32),
-            (_, DepthBuffer::Unorm16) => (DepthFormat::Unorm16, DepthFormat::Unorm16),
-            _ => (DepthFormat::F32, DepthFormat::F32),
-        };
+        let resolvable = spec.attachment();
+        // A depth texture is monotone: floats find the same nearest surface for every format.
+        let depth_buffer = if texel.is_packed() { resolvable } else { DepthFormat::F32 };
         let cull = match recipe.layers {
             Layers::Nearest => spec.cull,
             Layers::BackFaces => Cull::Front,

@@ -4,12 +4,12 @@ use super::block::{Block, RECEIVERS, Source};
 use super::chart::Chart;
 use super::curve::Curve;
 use super::maps::Surface;
-use super::reading::{SOUND, is_sound, mixed_tap};
 use super::store::Store;
 use super::tally::SHARE;
 use super::taps::Taps;
-use super::turns::{Held, Turns};
+use super::turns::{Along, Turns};
 use crate::analysis::classify::StoredCaster;
+use crate::analysis::verdict::{Held, SURELY_SOUND, deciding_in_a_mix};
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Strategy};
 use crate::shadow::margins::reaching;
@@ -112,7 +112,8 @@ impl Here<'_> {
             return comparison;
         }
         let slots = chart.reads.slots(self.receiver);
-        mixed_tap(chart.field.receivers.lit[self.receiver], |tap| store.at_slot(slots[tap]))
+        let lit = chart.field.receivers.lit[self.receiver];
+        deciding_in_a_mix(lit, slots.len(), |tap| store.at_slot(slots[tap]))
     }
 }
 
@@ -130,17 +131,19 @@ impl Held for Here<'_> {
     fn is_sound(&self, comparison: usize) -> bool {
         let Run { chart, store, .. } = self.run;
         // Where nothing was drawn, the caster says so.
-        if store.error() <= SOUND {
+        if store.error() <= SURELY_SOUND {
             return true;
         }
         let slot = chart.reads.slots(self.receiver)[self.deciding(comparison)];
-        is_sound(store.drawn.at(slot as usize), store.at_slot(slot))
+        store.is_sound(store.drawn.at(slot as usize), store.at_slot(slot))
     }
 
     fn share(&self, comparison: usize) -> i64 {
         (self.footprint().share(comparison) * SHARE) as i64
     }
+}
 
+impl Along for Here<'_> {
     #[inline(always)]
     fn hides(&self, comparison: usize) -> f32 {
         let Run { chart, moved, taps, .. } = self.run;

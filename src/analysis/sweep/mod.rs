@@ -1,7 +1,7 @@
 //! Sweeps: every format, filter and bias strategy of a case from one raster per map size and one truth.
 //!
 //! [`field`] finds the receivers and their truth once. A [`chart`] draws the casters for one map size; it
-//! knows which texels each receiver reads (`reads`) and what a format keeps there (`maps`, `store`).
+//! knows which texels each receiver reads (`reads`), what is drawn (`drawn`, `maps`) and kept there (`store`).
 //! [`evaluate`] takes a strategy along its amounts: biases of the taps by the breakpoints of all
 //! receivers, many at a time (`receivers`, `block`, `margins`), counted in a [`curve`]; all others value
 //! by value (`values`, [`wrong`]). The literal way keeps every comparison ([`looks`]): it is the arbiter.
@@ -9,6 +9,7 @@
 mod block;
 pub mod chart;
 pub mod curve;
+mod drawn;
 pub mod evaluate;
 pub mod field;
 pub mod gate;
@@ -16,6 +17,7 @@ pub mod looks;
 mod maps;
 mod margins;
 mod moves;
+mod moving;
 pub mod pictures;
 pub mod plan;
 pub(super) mod plots;
@@ -23,9 +25,12 @@ mod reading;
 mod reads;
 mod receivers;
 pub mod report;
+mod results;
+pub mod scales;
 pub mod shard;
 mod steps;
 mod store;
+mod swept;
 pub mod tally;
 pub mod taps;
 mod theory;
@@ -36,12 +41,14 @@ pub mod wrong;
 
 use crate::analysis::effort::Effort;
 use crate::scene::{Case, TexelFormat};
-use crate::shadow::bias::{Family, Strategy};
+use crate::shadow::bias::Strategy;
 use chart::{Attachment, Chart};
-pub use evaluate::{Point, Question, Swept, sweep};
+pub use evaluate::{Question, sweep};
 pub use field::Field;
 pub use plan::{Plan, Range};
 use rayon::prelude::*;
+pub use scales::{Scales, amounts};
+pub use swept::{Point, Swept};
 
 /// All sweeps of one case.
 #[derive(Clone, Debug)]
@@ -66,29 +73,6 @@ pub struct CaseSweep {
     pub swept: Vec<Swept>,
 }
 
-/// Amounts for a strategy: those of the plan where its unit is window depth, else as many (25 where each
-/// needs a pass of its own) between ends that suit the unit.
-#[must_use]
-pub fn amounts(strategy: Strategy, bias: &Range, world_per_window: f64) -> Vec<f32> {
-    let count = if strategy.family() == Family::Tap { bias.count } else { bias.count.min(25) };
-    let range = Range { count, ..*bias };
-    if bias.count == 1 {
-        return bias.values();
-    }
-    let own = match strategy.unit() {
-        "window depth" => range,
-        "world units" => {
-            range.between(bias.low.max(1e-9) * world_per_window, bias.high * world_per_window)
-        }
-        "format steps" | "units r" => range.between(0.25, 16_777_216.0),
-        _ => range.between(0.01, 32.0),
-    };
-    let mut values = own.values();
-    values.insert(0, 0.0);
-    values.dedup();
-    values
-}
-
 impl CaseSweep {
     /// A case of which nothing is known yet.
     #[must_use]
@@ -111,16 +95,13 @@ impl CaseSweep {
     #[must_use]
     pub fn of(field: &Field<'_>, plan: &Plan) -> Self {
         let base = Self::named(field.case());
-        let middle = field.samples.get(field.samples.len() / 2);
-        let mut known =
-            middle.map(|s| field.site(s, &field.case().layout())).map_or(base.clone(), |site| {
-                Self {
-                    world_per_window: 1.0 / site.window_per_world,
-                    texel_world: site.texel_world,
-                    ..base
-                }
-            });
-        let biases = amounts(Strategy::Constant, &plan.bias, known.world_per_window);
+        let site = field.middle().map(|s| field.site(s, &field.case().layout()));
+        let mut known = site.map_or(base.clone(), |site| Self {
+            world_per_window: 1.0 / site.window_per_world,
+            texel_world: site.texel_world,
+            ..base
+        });
+        let biases = amounts(Strategy::Constant, &plan.bias, &Scales::default());
         let shares = theory::acne(field, known.own_size, &biases);
         known.theory = biases.into_iter().zip(shares).collect();
         known
@@ -133,13 +114,11 @@ fn sweep_size(
     size: u32,
     filter: crate::scene::Filter,
     plan: &Plan,
-    world_per_window: f64,
 ) -> Vec<Swept> {
     let chart = |attachment: Attachment| {
         let formats = || plan.formats.iter().filter(|&&f| Attachment::of(f) == attachment);
         let format = *formats().next()?;
-        let filter = chart::usable_filter(filter, format);
-        Some(Chart::new(field, size, filter, attachment))
+        Some(Chart::new(field, size, format.usable(filter), attachment))
     };
     let (depth, colour) = rayon::join(|| chart(Attachment::Depth), || chart(Attachment::Colour));
     let on = |chart: &&Chart<'_, '_>| -> Vec<TexelFormat> {
@@ -147,10 +126,15 @@ fn sweep_size(
     };
     let charts: Vec<_> = [&depth, &colour].into_iter().flatten().map(|c| (c, on(&c))).collect();
     let of = |&strategy: &Strategy| {
-        let amounts = amounts(strategy, &plan.bias, world_per_window);
-        let question = Question { amounts: &amounts, max_acne: plan.max_acne };
-        let all = |(chart, formats): &(&Chart<'_, '_>, Vec<TexelFormat>)| {
+        let together = |chart: &Chart<'_, '_>, formats: &[TexelFormat]| {
+            let scales = Scales::on(field, size, formats[0], strategy);
+            let amounts = amounts(strategy, &plan.bias, &scales);
+            let question = Question { amounts: &amounts, max_acne: plan.max_acne };
             evaluate::sweep_formats(chart, formats, strategy, &question)
+        };
+        let all = |(chart, formats): &(&Chart<'_, '_>, Vec<TexelFormat>)| {
+            let share = if scales::by_format(strategy) { 1 } else { formats.len().max(1) };
+            formats.par_chunks(share).flat_map(|f| together(chart, f)).collect::<Vec<_>>()
         };
         charts.par_iter().flat_map(all).collect::<Vec<_>>()
     };

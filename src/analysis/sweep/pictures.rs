@@ -1,6 +1,6 @@
 //! What a swept amount looks like: classified pictures along the bias axis and EXR layers.
 
-use super::chart::{Attachment, Chart, usable_filter};
+use super::chart::{Attachment, Chart};
 use super::field::Field;
 use super::looks::Looks;
 use super::tally::Kind;
@@ -9,18 +9,6 @@ use crate::report::{Colour, ExrImage, Picture};
 use crate::scene::TexelFormat;
 use crate::shadow::bias::Strategy;
 use serde_json::json;
-
-/// The colour of a kind of error on every picture.
-#[must_use]
-pub const fn colour(kind: Kind) -> Colour {
-    match kind {
-        Kind::Acne => Colour::Vermilion,
-        Kind::EdgeShadow | Kind::EdgeLight => Colour::Yellow,
-        Kind::EncodingFault => Colour::Purple,
-        Kind::PeterPanning => Colour::Blue,
-        Kind::LightLeak => Colour::Sky,
-    }
-}
 
 /// Gives a pixel a colour.
 fn paint(rgb: &mut [u8], place: u32, colour: Colour) {
@@ -49,7 +37,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
     #[must_use]
     pub fn new(field: &'f Field<'a>, format: TexelFormat, step: u32) -> Self {
         let case = field.case();
-        let filter = usable_filter(case.lookup.filter, format);
+        let filter = format.usable(case.lookup.filter);
         let chart = Chart::new(field, case.map.size, filter, Attachment::of(format));
         let [width, height] = case.canvas.map(|n| n.div_ceil(step));
         // The top row comes first.
@@ -80,7 +68,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
         let found = self.chart.wrong(&[self.format], &recipe, &self.chart.all());
         let (mut rgb, mut count) = (self.right.clone(), 0);
         for wrong in found.iter().flatten() {
-            paint(&mut rgb, self.places[wrong.receiver as usize], colour(wrong.kind));
+            paint(&mut rgb, self.places[wrong.receiver as usize], wrong.kind.artifact().colour());
             count += 1;
         }
         Picture {
@@ -98,8 +86,8 @@ impl<'f, 'a> Gallery<'f, 'a> {
     /// What the colours of the pictures mean.
     #[must_use]
     pub fn legend() -> Vec<(Colour, String)> {
-        let kind = |k: Kind| (colour(k), k.name().to_string());
-        let kinds = [Kind::Acne, Kind::PeterPanning, Kind::LightLeak, Kind::EncodingFault];
+        let kind = |k: Kind| (k.artifact().colour(), k.name().to_string());
+        let kinds = [Kind::ACNE, Kind::PETER_PANNING, Kind::LIGHT_LEAK, Kind::ENCODING_FAULT];
         let mut legend: Vec<_> = kinds.into_iter().map(kind).collect();
         legend.push((Colour::Yellow, "edge aliasing".to_string()));
         legend.push((Colour::White, "lit and right".to_string()));
@@ -120,7 +108,7 @@ impl<'f, 'a> Gallery<'f, 'a> {
         let shown = shown.looks.iter().zip(&shown.bias).zip(&self.places);
         for (sample, ((looks, &bias), &at)) in self.chart.field.samples.iter().zip(shown) {
             let Some(look) = looks.taps.get(looks.centre) else { continue };
-            let kind = looks.verdict(rule, bias).0.map_or(0, |k| k as i32 + 1);
+            let kind = looks.verdict(rule, bias).0.map_or(0, |k| k.index() as i32 + 1);
             let values =
                 [look.z, look.stored, look.z - look.stored, kind as f32, f32::from(sample.lit)];
             for (layer, value) in layers.iter_mut().zip(values) {

@@ -1,7 +1,7 @@
 //! Plots of a swept case: the trade-off with its Pareto front, the curve with its closed form, the heat
 //! map of strategies and formats.
 
-use super::report::own;
+use super::results::own;
 use super::tally::Kind;
 use super::{CaseSweep, Point, Swept};
 use crate::report::{Axis, Colour, HeatMap, Marker, Plot, Scale, Series, Style};
@@ -114,9 +114,9 @@ pub(super) fn curves(case: &CaseSweep, id: &str) -> Option<Plot> {
         y: Axis { label: "wrong receivers [%]".into(), scale: Scale::SymLog { linear: 0.1 }, ..Axis::default() },
         series: vec![
             line("false shadow", Colour::Vermilion, Style::Steps, &|p| share(p.tally.false_shadow(), lit)),
-            line("of it acne", Colour::Orange, Style::Steps, &|p| share(p.tally.of(Kind::Acne), lit)),
+            line("of it acne", Colour::Orange, Style::Steps, &|p| share(p.tally.of(Kind::ACNE), lit)),
             line("false light", Colour::Blue, Style::Steps, &|p| share(p.tally.false_light(), shadowed)),
-            line("of it peter-panning", Colour::Sky, Style::Steps, &|p| share(p.tally.of(Kind::PeterPanning), shadowed)),
+            line("of it peter-panning", Colour::Sky, Style::Steps, &|p| share(p.tally.of(Kind::PETER_PANNING), shadowed)),
         ],
         markers,
     };

@@ -1,12 +1,14 @@
 //! Reading a chart: receivers at their own places, moved by a bias, under another map, reversed.
 
 use super::chart::Chart;
+use super::drawn::{Drawn, Places};
 use super::field::Sample;
 use super::looks::{Look, Looks};
 use super::maps::Surface;
-use super::store::{Drawn, Places, Store};
+use super::store::Store;
 use super::tally::SHARE;
 use crate::analysis::classify::StoredCaster;
+use crate::analysis::verdict::deciding_in_a_mix;
 use crate::light::Lens;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::TexelFormat;
@@ -153,7 +155,7 @@ impl Chart<'_, '_> {
             let texel = footprint.texels[i];
             let (caster, gained) = surface(i, texel);
             let read = store.depth(device, texel as usize);
-            let sound = is_sound(store.drawn(texel), read);
+            let sound = store.is_sound(store.drawn(texel), read);
             let share = (footprint.share(i) * SHARE) as i64;
             let z = compared(recipe.follow, sample, coord[2], footprint, i);
             Look { z, stored, share, caster, sound, gained }
@@ -161,7 +163,7 @@ impl Chart<'_, '_> {
         if footprint.mixed.is_some() {
             let depth = shadow::mixed_depth(store, device, footprint);
             let read = |i: usize| store.depth(device, footprint.texels[i] as usize);
-            let i = mixed_tap(sample.lit, read);
+            let i = deciding_in_a_mix(sample.lit, footprint.texels.len(), read);
             return Looks { taps: Few::One(one(i, depth)), ..empty };
         }
         let depth = |&texel: &u32| store.depth(device, texel as usize);
@@ -184,26 +186,7 @@ pub(super) fn compared(
     }
 }
 
-/// The tap whose texel decides a mix: the nearest to the light for a truly lit receiver, else the one
-/// that NEAREST reads.
-pub(super) fn mixed_tap(lit: bool, depth: impl Fn(usize) -> f32) -> usize {
-    if !lit {
-        return 0;
-    }
-    let nearer = |best: usize, i: usize| if depth(i) < depth(best) { i } else { best };
-    (0..4).fold(0, nearer)
-}
-
 /// A receiver without comparisons.
 fn unlooked(sample: &Sample) -> Looks {
     Looks { lit: sample.lit, gap: sample.gap, inside: sample.inside, ..Looks::default() }
-}
-
-/// Two codes of 8 bits, rounded down: a store that errs by no more is sound wherever something is drawn.
-pub(super) const SOUND: f32 = 0.007_843;
-
-/// Whether the depth read is the one drawn, up to two codes of 8 bits.
-pub(super) fn is_sound(drawn: Option<f32>, read: f32) -> bool {
-    let within = |z: f32| if z < 0.0 { z.clamp(-1.0, 0.0) } else { z.clamp(0.0, 1.0) };
-    drawn.is_some_and(|z| (f64::from(read) - f64::from(within(z))).abs() <= 2.0 / 255.0)
 }

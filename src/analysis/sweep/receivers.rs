@@ -1,7 +1,39 @@
-//! What every verdict asks of a receiver: lists side by side, 29 bytes a receiver.
+//! What is known of the receivers of a case: of each all, and what every verdict asks in lists side by
+//! side, 29 bytes a receiver.
 
-use super::field::Sample;
+use crate::shadow::Few;
+use crate::truth::{Answer, Receiver};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+
+/// One counted receiver.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Pixel of the canvas, from the bottom left.
+    pub pixel: [u32; 2],
+    /// Where it is.
+    pub receiver: Receiver,
+    /// Coordinates and compared depth in each map as the subject computes them.
+    pub coords: Few<[f32; 3]>,
+    /// The map that it looks up, or of two that are mixed the one with the larger share.
+    pub map: usize,
+    /// Its coordinates there.
+    pub coord: [f32; 3],
+    /// The same, f64.
+    pub exact: DVec3,
+    /// What it truly sees.
+    pub answer: Answer,
+    /// Whether it is truly lit.
+    pub lit: bool,
+    /// Window depth between it and its first occluder; +∞ where it has none.
+    pub gap: f64,
+    /// Way on the surface towards the light until the true shadow ends, world units; 0 for the lit.
+    pub inside: f64,
+    /// Unit normal on the side that is seen.
+    pub normal: DVec3,
+    /// Window depth of its plane per unit of u and v.
+    pub gradient: DVec2,
+}
 
 /// All counted receivers, in their order; every list is as long.
 #[derive(Debug)]

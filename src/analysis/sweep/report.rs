@@ -2,61 +2,16 @@
 
 use super::pictures::Gallery;
 use super::plots::{curves, heat_map, trade_off};
+pub use super::results::combination;
+use super::results::{key, own, winner};
 use super::tally::Kind;
-use super::{CaseSweep, Field, Plan, Point, Swept, gate, verdicts};
+use super::{CaseSweep, Field, Plan, Swept, verdicts};
 use crate::report::{Block, Cell, Profile, Report, Section, Table};
 use crate::scene::Case;
 use crate::shadow::bias::Strategy;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::slice;
-
-/// The shortest decimal of an f32 as a JSON number.
-fn short(x: f32) -> Value {
-    x.to_string().parse::<f64>().map_or(Value::Null, Value::from)
-}
-
-/// One combination as it stands in `results.json`; what there is none of is left out.
-#[must_use]
-pub fn combination(s: &Swept) -> Value {
-    let wrong = |p: &Point| p.tally.false_shadow() + p.tally.false_light();
-    let mut entry = serde_json::Map::new();
-    let mut put = |name: &str, value: Option<Value>| {
-        entry.extend(value.map(|v| (name.to_string(), v)));
-    };
-    put("acne_free", s.acne_free.map(|p| short(p.amount)));
-    put("wrong_at_acne_free", s.acne_free.as_ref().map(|p| wrong(p).into()));
-    put("contact_gap_world", s.acne_free.filter(|p| p.gap > 0.0).map(|p| short(p.gap as f32)));
-    put("least_wrong", s.least().map(|p| wrong(p).into()));
-    put("detachment", s.detachment.filter(|b| b.is_finite()).map(short));
-    Value::Object(entry)
-}
-
-/// What a strategy leaves wrong where its acne ends: the share of all counted receivers in false shadow or
-/// false light.
-fn left_wrong(s: &Swept) -> Option<f64> {
-    let tally = s.acne_free?.tally;
-    let wrong = tally.false_shadow() + tally.false_light();
-    Some(wrong as f64 / s.populations.iter().sum::<u64>().max(1) as f64)
-}
-
-/// The winner among combinations of one map, format and filter: the one that leaves least wrong; of
-/// equals the first.
-pub(super) fn winner<'s>(list: &[&'s Swept]) -> Option<&'s Swept> {
-    let rated = list.iter().filter_map(|&s| Some((left_wrong(s)?, s)));
-    rated.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, s)| s)
-}
-
-/// Combinations at the case's own map size and format (or the first of each that was swept).
-pub(super) fn own(case: &CaseSweep) -> Vec<&Swept> {
-    let has = |name: &str| case.swept.iter().any(|s| s.format.name() == name);
-    let first = case.swept.first();
-    let format =
-        if has(case.own_format) { case.own_format } else { first.map_or("", |s| s.format.name()) };
-    let sized = case.swept.iter().any(|s| s.size == case.own_size);
-    let size = if sized { case.own_size } else { first.map_or(0, |s| s.size) };
-    case.swept.iter().filter(|s| s.size == size && s.format.name() == format).collect()
-}
 
 /// Sentences on top: who wins, where nothing works.
 fn lead(sweeps: &[CaseSweep]) -> Vec<String> {
@@ -133,7 +88,7 @@ fn row(case: &CaseSweep, s: &Swept, best: bool) -> Vec<Cell> {
         Cell::from(s.filter.name()),
         Cell::from(s.strategy.name()),
         Cell::number(at.map(|p| f64::from(p.amount))),
-        Cell::from(s.strategy.unit()),
+        Cell::from(s.strategy.unit().name()),
         at.map_or(Cell::Missing, |p| share(p.tally.false_shadow(), s.populations[0])),
         at.map_or(Cell::Missing, |p| share(p.tally.false_light(), s.populations[1])),
         Cell::number(at.map(|p| p.gap / texel)),
@@ -226,9 +181,8 @@ pub fn report(
         }
         sections.push(section.folded());
     }
-    let entries = sweeps
-        .iter()
-        .flat_map(|c| c.swept.iter().map(move |s| (gate::key(&c.name, s), combination(s))));
+    let entries =
+        sweeps.iter().flat_map(|c| c.swept.iter().map(move |s| (key(&c.name, s), combination(s))));
     let entries: serde_json::Map<String, Value> = entries.collect();
     Report {
         name: "sweep".into(),

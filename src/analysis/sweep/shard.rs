@@ -1,5 +1,6 @@
 //! A sweep as work items: one case on one map size each, with results that survive a file bit by bit.
 
+use super::tally::Kind;
 use super::tally::Tally;
 use super::{CaseSweep, Field, Plan, Point, Swept, plan, sweep_size};
 use crate::analysis::effort::Effort;
@@ -76,7 +77,7 @@ impl<'p> Worker<'p> {
         let facts = CaseSweep::of(field, plan);
         let one = |filter: &Option<_>| {
             let filter = filter.unwrap_or(case.lookup.filter);
-            sweep_size(field, size_of(plan, item), filter, plan, facts.world_per_window)
+            sweep_size(field, size_of(plan, item), filter, plan)
         };
         let swept: Vec<Vec<Swept>> = plan.filters.par_iter().map(one).collect();
         let stored = Stored {
@@ -125,7 +126,7 @@ struct Stored {
 
 /// Amount, receivers by kind, false shadow, false light, gap.
 #[derive(Debug, Serialize, Deserialize)]
-struct StoredPoint(u32, [i64; 6], i64, i64, u64);
+struct StoredPoint(u32, [i64; Kind::COUNT], i64, i64, u64);
 
 #[derive(Debug, Serialize, Deserialize)]
 struct StoredSwept {

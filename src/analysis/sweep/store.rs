@@ -1,57 +1,12 @@
 //! A map of a chart under one format: all texels that are read, stored at once.
 
 use super::chart::Chart;
+use super::drawn::{Drawn, Places};
+use crate::analysis::verdict::is_sound;
 use crate::device::Device;
-use crate::raster::{NO_TRIANGLE, Slots};
 use crate::scene::{MapSpec, TexelFormat};
 use crate::shadow::{self, Stored, Texels};
-use std::borrow::Cow;
 use std::sync::{Arc, PoisonError};
-
-/// What a pass has drawn, place by place.
-#[derive(Debug)]
-pub(super) struct Drawn<'d> {
-    /// Compared depths; the cleared one where nothing is.
-    pub(super) depth: Cow<'d, [f32]>,
-    /// Triangles, or [`NO_TRIANGLE`].
-    pub(super) triangle: Cow<'d, [u32]>,
-}
-
-impl Drawn<'_> {
-    pub(super) fn at(&self, place: usize) -> Option<f32> {
-        (self.triangle[place] != NO_TRIANGLE).then(|| self.depth[place])
-    }
-}
-
-/// Where the values of a texel lie.
-#[derive(Debug)]
-pub(super) enum Places<'p> {
-    /// At its own index.
-    Texels,
-    /// At its slot.
-    Slots(&'p Slots),
-    /// At the place of its slot, which has one where somebody reads it.
-    Read { slots: &'p Slots, place: Vec<u32> },
-}
-
-impl Places<'_> {
-    pub(super) fn of(&self, texel: u32) -> usize {
-        match self {
-            Self::Texels => texel as usize,
-            Self::Slots(slots) => slots.slot(texel),
-            Self::Read { slots, place } => place[slots.slot(texel)] as usize,
-        }
-    }
-
-    /// Of a texel at a slot.
-    #[inline]
-    pub(super) fn of_slot(&self, slot: u32) -> usize {
-        match self {
-            Self::Read { place, .. } => place[slot as usize] as usize,
-            Self::Texels | Self::Slots(_) => slot as usize,
-        }
-    }
-}
 
 /// A map under one format.
 pub(super) struct Store<'s> {
@@ -62,9 +17,6 @@ pub(super) struct Store<'s> {
     device: Device,
     stored: Arc<Stored>,
 }
-
-/// A map without a bias that has been stored: its format, whether place by texel.
-pub(super) type Known = ((TexelFormat, bool), Arc<Stored>);
 
 impl Chart<'_, '_> {
     /// The map without a bias, stored once. The list is not locked meanwhile: storing waits for other
@@ -136,6 +88,12 @@ impl Store<'_> {
         let bytes = slots.map(|slot| self.stored.bytes[self.places.of_slot(slot)]);
         let depth = shadow::mix(&self.device, packing, &bytes, weights);
         if self.reversed { -depth } else { depth }
+    }
+
+    /// Whether a depth read is the one drawn, both as compared: [`is_sound`] of their window depths.
+    pub(super) fn is_sound(&self, drawn: Option<f32>, read: f32) -> bool {
+        let window = |z: f32| if self.reversed { -z } else { z };
+        is_sound(drawn.map(window), window(read))
     }
 
     /// What a texel was drawn with.

@@ -1,6 +1,6 @@
 //! Biases of the taps: of every receiver at any amount of a strategy, and the curves along it.
 
-use super::chart::{Chart, quantum};
+use super::chart::Chart;
 use super::curve::Curve;
 use super::looks::{self, Looks};
 use crate::scene::{CompareRule, TexelFormat};
@@ -32,8 +32,7 @@ impl Taps {
             return Self { weight: Weight::Common(weight), bound };
         }
         let receivers = chart.site_weights().iter().zip(&chart.field.receivers.z);
-        let of =
-            |(weights, &z): (&Weights, &f32)| weights.with_step(quantum(format, z)).of(strategy).0;
+        let of = |(weights, &z): (&Weights, &f32)| weights.with_step(format.step(z)).of(strategy).0;
         Self { weight: Weight::Own(receivers.map(of).collect()), bound }
     }
 

@@ -1,19 +1,13 @@
 //! One receiver along all amounts of a bias: which tap decides where, and what its error is called.
 
 use super::curve::Curve;
-use super::looks::{light_kind, shadow_kind};
-use super::tally::{Kind, SHARE};
+use super::tally::Kind;
 use crate::analysis::classify::StoredCaster;
+use crate::analysis::verdict::{Held, WHOLE, spans};
 
-/// What the taps of a receiver hold, asked only where a verdict turns on it.
-pub(super) trait Held {
-    /// Whose surface a tap holds.
-    fn caster(&self, tap: usize) -> StoredCaster;
-    /// Whether the depth read there is the one drawn.
-    fn is_sound(&self, tap: usize) -> bool;
-    /// Its share of the visibility in 2⁻⁴⁰.
-    fn share(&self, tap: usize) -> i64;
-    /// The amount from which the bias alone loses the occluder that it holds.
+/// What a receiver's taps hold, along all amounts of a bias.
+pub(super) trait Along: Held {
+    /// The amount from which the bias alone loses the occluder that a tap holds.
     fn hides(&self, tap: usize) -> f32;
 }
 
@@ -31,7 +25,7 @@ pub(super) struct Turns<'t, H> {
     pub(super) held: H,
 }
 
-impl<H: Held> Turns<'_, H> {
+impl<H: Along> Turns<'_, H> {
     /// Adds this receiver to a curve.
     #[inline(always)]
     pub(super) fn count(&self, curve: &mut Curve) {
@@ -49,41 +43,29 @@ impl<H: Held> Turns<'_, H> {
 
     fn count_unlooked(&self, curve: &mut Curve) {
         if !self.lit {
-            curve.lights(false, f32::NEG_INFINITY, || SHARE as i64);
-            curve.count(Kind::LightLeak, f32::NEG_INFINITY, f32::INFINITY);
+            curve.lights(false, f32::NEG_INFINITY, || WHOLE);
+            curve.count(Kind::LIGHT_LEAK, f32::NEG_INFINITY, f32::INFINITY);
         }
     }
 
-    /// Where a truly lit receiver is dark: the centre tap decides up to its breakpoint, then the first
-    /// tap in order that is still dark.
+    /// Where a truly lit receiver is dark.
     #[inline(always)]
     fn count_darkness(&self, curve: &mut Curve) {
-        let kind = |tap: usize| shadow_kind(self.held.caster(tap), self.held.is_sound(tap));
-        let mut until = self.breakpoints[self.centre];
-        curve.count(kind(self.centre), f32::NEG_INFINITY, until);
-        for (tap, &b) in self.breakpoints.iter().enumerate() {
-            if b > until {
-                curve.count(kind(tap), until, b);
-                until = b;
-            }
-        }
+        let kind = |tap: usize| Kind::false_shadow(self.held.caster(tap), self.held.is_sound(tap));
+        let until = spans(true, self.centre, self.breakpoints, |tap, from, until| {
+            curve.count(kind(tap), from, until);
+        });
         if (0..self.breakpoints.len()).all(|tap| self.held.caster(tap) == StoredCaster::Own) {
             curve.needs(until);
         }
     }
 
-    /// Where a truly shadowed receiver is lit: the centre tap decides from its breakpoint on, below it
-    /// the first tap in order that is already lit.
+    /// Where a truly shadowed receiver is lit.
     #[inline(always)]
     fn count_brightness(&self, curve: &mut Curve) {
-        let mut until = self.breakpoints[self.centre];
-        self.count_lit(self.centre, until, f32::INFINITY, curve);
-        for (tap, &b) in self.breakpoints.iter().enumerate() {
-            if b < until {
-                self.count_lit(tap, b, until, curve);
-                until = b;
-            }
-        }
+        spans(false, self.centre, self.breakpoints, |tap, from, until| {
+            self.count_lit(tap, from, until, curve);
+        });
     }
 
     /// A truly shadowed receiver that one tap lights on [from, until).
@@ -91,12 +73,12 @@ impl<H: Held> Turns<'_, H> {
     fn count_lit(&self, tap: usize, from: f32, until: f32, curve: &mut Curve) {
         let caster = self.held.caster(tap);
         if caster != StoredCaster::Occluder {
-            return curve.count(light_kind(caster, false), from, until);
+            return curve.count(Kind::false_light(caster, false), from, until);
         }
         let hides = self.held.hides(tap);
         let pans = from.max(hides);
-        curve.count(Kind::LightLeak, from, until.min(hides));
-        curve.count(Kind::PeterPanning, pans, until);
+        curve.count(Kind::LIGHT_LEAK, from, until.min(hides));
+        curve.count(Kind::PETER_PANNING, pans, until);
         if pans < until {
             curve.panned(pans, self.inside);
         }

@@ -2,7 +2,7 @@
 //! still change, and thresholds by bisection.
 
 use super::chart::{Attachment, Chart};
-use super::evaluate::{Point, Swept};
+use super::swept::{Point, Swept};
 use super::tally::{Kind, Tally};
 use super::wrong::Wrong;
 use crate::scene::TexelFormat;
@@ -43,7 +43,7 @@ impl Literal<'_, '_, '_> {
         let (mut tally, mut gap) = (Tally::default(), 0.0f64);
         for w in &wrong {
             w.tally(&mut tally);
-            if w.kind == Kind::PeterPanning {
+            if w.kind == Kind::PETER_PANNING {
                 gap = gap.max(self.chart.field.samples[w.receiver as usize].inside);
             }
         }
@@ -104,7 +104,7 @@ impl Literal<'_, '_, '_> {
     /// Where acne falls to the limit: bisected on the receivers that are dark at one of the ends, then
     /// held against all of them.
     fn acne_free(&self, below: &Evaluated, at: &Evaluated, limit: i64) -> Point {
-        let quiet = |t: &Tally| t.of(Kind::Acne) <= limit;
+        let quiet = |t: &Tally| t.of(Kind::ACNE) <= limit;
         let ends = [below.point.amount, at.point.amount];
         let dark = wrong_at([below, at], Kind::is_shadow);
         let [_, found] = self.narrow(ends, &dark, quiet);
@@ -119,7 +119,7 @@ impl Literal<'_, '_, '_> {
     /// Where the first shadow detaches: bisected on the receivers that are lit at one of the ends, then
     /// held against all of them.
     fn detachment(&self, below: &Evaluated, at: &Evaluated) -> f32 {
-        let pans = |t: &Tally| t.of(Kind::PeterPanning) > 0;
+        let pans = |t: &Tally| t.of(Kind::PETER_PANNING) > 0;
         let ends = [below.point.amount, at.point.amount];
         let lit = wrong_at([below, at], |kind| !kind.is_shadow());
         let [without, found] = self.narrow(ends, &lit, pans);
@@ -176,13 +176,13 @@ fn thresholds(
     grid: Vec<Evaluated>,
     limit: i64,
 ) -> Swept {
-    let loud = |e: &Evaluated| e.point.tally.of(Kind::Acne) > limit;
+    let loud = |e: &Evaluated| e.point.tally.of(Kind::ACNE) > limit;
     let free = grid.iter().rposition(loud).map_or(0, |i| i + 1);
     swept.acne_free = grid.get(free).map(|at| match free {
         0 => at.point,
         _ => literal.acne_free(&grid[free - 1], at, limit),
     });
-    let pans = |e: &Evaluated| e.point.tally.of(Kind::PeterPanning) > 0;
+    let pans = |e: &Evaluated| e.point.tally.of(Kind::PETER_PANNING) > 0;
     swept.detachment = grid.iter().position(pans).map(|i| match i {
         0 => grid[0].point.amount,
         _ => literal.detachment(&grid[i - 1], &grid[i]),

@@ -1,6 +1,6 @@
 //! What a sweep says of each case in one line: who wins, at which amount, and whether a constant works.
 
-use super::report::{own, winner};
+use super::results::{own, winner};
 use super::tally::Tally;
 use super::{CaseSweep, Swept};
 use crate::report::number::significant;

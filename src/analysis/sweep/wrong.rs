@@ -2,16 +2,17 @@
 
 use super::block::{Block, RECEIVERS, Source};
 use super::chart::Chart;
-use super::looks::{light_kind, shadow_kind};
 use super::maps::Surface;
-use super::reading::{compared, is_sound, mixed_tap};
+use super::reading::compared;
 use super::store::Store;
 use super::tally::{Kind, SHARE, Tally};
 use crate::analysis::classify::StoredCaster;
+use crate::analysis::verdict::{Held, LookUp, WHOLE, deciding_in_a_mix, verdict};
 use crate::scene::{Filter, LookupSpec, TexelFormat};
 use crate::shadow::bias::{Follow, Recipe};
 use crate::shadow::{self, Footprint, Footprints, Texels};
 use crate::simd::Level;
+use std::cell::Cell;
 
 /// A receiver with a wrong verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +28,13 @@ pub struct Wrong {
 impl Wrong {
     /// A receiver that is lit without a look-up.
     fn unlooked(receiver: u32, lit: bool) -> Option<Self> {
-        let lost = Self { receiver, kind: Kind::LightLeak, share: SHARE as i64 };
+        let lost = Self { receiver, kind: Kind::LIGHT_LEAK, share: WHOLE };
         (!lit).then_some(lost)
     }
 
     /// Adds it to a tally.
     pub fn tally(&self, tally: &mut Tally) {
-        tally.kinds[self.kind as usize] += 1;
+        tally.kinds[self.kind.index()] += 1;
         *(if self.kind.is_shadow() { &mut tally.shadow } else { &mut tally.light }) += self.share;
     }
 }
@@ -215,47 +216,20 @@ impl Verdicts<'_> {
         look: &Look<'_>,
         moved_into_light: impl Fn() -> bool,
     ) -> Option<Wrong> {
-        let Look { lit, coord, ref footprint, .. } = *look;
         let bias = self.bias(receiver as usize);
-        let (chart, follow) = (self.chart, self.recipe.follow);
-        let sample = || &chart.field.samples[receiver as usize];
-        let spec = &chart.field.case().lookup;
-        if spec.range_test && !shadow::in_square(coord) {
-            return Wrong::unlooked(receiver, lit);
+        let mixed = look.footprint.mixed.is_some().then(|| self.mixed_depth(receiver, look));
+        let found = Cell::new(None);
+        let seen = Seen { under: self, receiver, look, bias, mixed, moved_into_light, found };
+        let verdict = verdict(&seen, look.lit)?;
+        Some(Wrong { receiver, kind: verdict.kind, share: verdict.share })
+    }
+
+    /// What a receiver finds whose texels are mixed.
+    fn mixed_depth(&self, receiver: u32, look: &Look<'_>) -> f32 {
+        match look.slots.is_empty() {
+            true => shadow::mixed_depth(self.store, self.chart.device(), &look.footprint),
+            false => self.chart.mixed_depth(self.store, receiver as usize),
         }
-        let is_wrong = |i: usize, depth: f32| {
-            let z = match follow {
-                Follow::Receiver => coord[2],
-                _ => compared(follow, sample(), coord[2], footprint, i),
-            };
-            spec.compare.is_lit(z, depth, bias) != lit
-        };
-        let (deciding, share) = if footprint.mixed.is_some() {
-            let depth = match look.slots.is_empty() {
-                true => shadow::mixed_depth(self.store, chart.device(), footprint),
-                false => chart.mixed_depth(self.store, receiver as usize),
-            };
-            if follow == Follow::Receiver && !is_wrong(0, depth) {
-                return None;
-            }
-            let i = mixed_tap(lit, |tap| self.depth(look, tap));
-            is_wrong(i, depth).then_some((i, SHARE as i64))?
-        } else {
-            self.deciding(look, is_wrong)?
-        };
-        let texel = footprint.texels[deciding];
-        let (caster, gained) = (self.surface)(receiver as usize, deciding, texel);
-        let kind = if lit {
-            let read = self.depth(look, deciding);
-            shadow_kind(caster, is_sound(self.store.drawn(texel), read))
-        } else {
-            let hidden = || {
-                f64::from(bias) + gained >= chart.field.receivers.gap[receiver as usize]
-                    || moved_into_light()
-            };
-            light_kind(caster, caster == StoredCaster::Occluder && hidden())
-        };
-        Some(Wrong { receiver, kind, share })
     }
 
     /// What a tap reads.
@@ -265,23 +239,101 @@ impl Verdicts<'_> {
             None => self.store.depth(self.chart.device(), look.footprint.texels[tap] as usize),
         }
     }
+}
 
-    /// The tap that names the error, the centre before the others in order, and the share that is wrong.
-    fn deciding(
-        &self,
-        look: &Look<'_>,
-        is_wrong: impl Fn(usize, f32) -> bool,
-    ) -> Option<(usize, i64)> {
-        let footprint = &look.footprint;
-        let centre = footprint.centre();
-        let mut found: Option<(usize, i64)> = None;
-        for i in 0..footprint.texels.len() {
-            if is_wrong(i, self.depth(look, i)) {
-                let (first, share) = found.unwrap_or((i, 0));
-                let deciding = if i == centre { i } else { first };
-                found = Some((deciding, share + (footprint.share(i) * SHARE) as i64));
-            }
+/// What one receiver reads under a recipe.
+struct Seen<'s, M> {
+    under: &'s Verdicts<'s>,
+    receiver: u32,
+    look: &'s Look<'s>,
+    bias: f32,
+    /// The depth of the only part, where texels are mixed.
+    mixed: Option<f32>,
+    moved_into_light: M,
+    /// The tap whose surface was asked for last.
+    found: Cell<Option<(usize, (StoredCaster, f64))>>,
+}
+
+impl<M> Seen<'_, M> {
+    /// The tap that a part rests on.
+    #[inline(always)]
+    fn tap(&self, part: usize) -> usize {
+        if self.mixed.is_none() {
+            return part;
         }
-        found
+        let Look { lit, footprint, .. } = self.look;
+        let depth = |tap: usize| self.under.depth(self.look, tap);
+        deciding_in_a_mix(*lit, footprint.texels.len(), depth)
+    }
+
+    /// Whose surface a part holds, and how far the bias moved it.
+    fn surface(&self, part: usize) -> (StoredCaster, f64) {
+        let tap = self.tap(part);
+        if let Some((_, surface)) = self.found.get().filter(|found| found.0 == tap) {
+            return surface;
+        }
+        let texel = self.look.footprint.texels[tap];
+        let surface = (self.under.surface)(self.receiver as usize, tap, texel);
+        self.found.set(Some((tap, surface)));
+        surface
+    }
+}
+
+impl<M> Held for Seen<'_, M> {
+    fn caster(&self, part: usize) -> StoredCaster {
+        self.surface(part).0
+    }
+
+    fn is_sound(&self, part: usize) -> bool {
+        let tap = self.tap(part);
+        let drawn = self.under.store.drawn(self.look.footprint.texels[tap]);
+        self.under.store.is_sound(drawn, self.under.depth(self.look, tap))
+    }
+
+    #[inline(always)]
+    fn share(&self, part: usize) -> i64 {
+        match self.mixed {
+            Some(_) => WHOLE,
+            None => (self.look.footprint.share(part) * SHARE) as i64,
+        }
+    }
+}
+
+impl<M: Fn() -> bool> LookUp for Seen<'_, M> {
+    #[inline(always)]
+    fn parts(&self) -> usize {
+        let tested = self.under.chart.field.case().lookup.range_test;
+        match (tested && !shadow::in_square(self.look.coord), self.mixed) {
+            (true, _) => 0,
+            (false, Some(_)) => 1,
+            (false, None) => self.look.footprint.texels.len(),
+        }
+    }
+
+    #[inline(always)]
+    fn centre(&self) -> usize {
+        if self.mixed.is_some() { 0 } else { self.look.footprint.centre() }
+    }
+
+    #[inline(always)]
+    fn visibility(&self, part: usize) -> f64 {
+        let Verdicts { chart, recipe, .. } = *self.under;
+        let Look { coord, footprint, .. } = self.look;
+        let depth = self.mixed.unwrap_or_else(|| self.under.depth(self.look, part));
+        let z = match recipe.follow {
+            Follow::Receiver => coord[2],
+            Follow::TexelCentre | Follow::Sample | Follow::NearerOfCentre => {
+                let sample = &chart.field.samples[self.receiver as usize];
+                compared(recipe.follow, sample, coord[2], footprint, self.tap(part))
+            }
+        };
+        let lit = chart.field.case().lookup.compare.is_lit(z, depth, self.bias);
+        if lit { 1.0 } else { 0.0 }
+    }
+
+    fn is_hidden(&self, part: usize) -> bool {
+        let gained = self.surface(part).1;
+        let gap = self.under.chart.field.receivers.gap[self.receiver as usize];
+        f64::from(self.bias) + gained >= gap || (self.moved_into_light)()
     }
 }

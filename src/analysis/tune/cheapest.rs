@@ -2,7 +2,7 @@
 
 use super::{Request, Tuned};
 use crate::analysis::sweep::Field;
-use crate::analysis::sweep::chart::{Attachment, Chart, usable_filter};
+use crate::analysis::sweep::chart::{Attachment, Chart};
 use crate::depth::DepthFormat;
 use crate::engines::Knob;
 use crate::report::number::significant;
@@ -44,15 +44,6 @@ impl Configuration {
     }
 }
 
-/// Bytes of a texel.
-const fn texel_bytes(format: TexelFormat) -> u64 {
-    match format {
-        TexelFormat::Depth(DepthFormat::Unorm8) => 1,
-        TexelFormat::Depth(DepthFormat::Unorm16 | DepthFormat::F16) => 2,
-        _ => 4,
-    }
-}
-
 /// The cheapest map, by bytes and then fetches, on which some knob ends acne and lights no more of the
 /// shadow than `allowed`.
 pub(super) fn cheapest(
@@ -64,13 +55,12 @@ pub(super) fn cheapest(
     let sizes = [128, 256, 512, 1024, 2048];
     let formats =
         [DepthFormat::Unorm16, DepthFormat::Unorm24, DepthFormat::F32].map(TexelFormat::Depth);
-    let filters =
-        [Filter::Nearest, field.case().lookup.filter].map(|f| usable_filter(f, formats[0]));
+    let filters = [Filter::Nearest, field.case().lookup.filter].map(|f| formats[0].usable(f));
     let mut options: Vec<(u64, u32, u32, TexelFormat, Filter)> = Vec::new();
     for size in sizes {
         for format in formats {
             for filter in filters {
-                let bytes = u64::from(size) * u64::from(size) * texel_bytes(format);
+                let bytes = u64::from(size) * u64::from(size) * u64::from(format.bytes());
                 options.push((bytes, filter.fetches(), size, format, filter));
             }
         }

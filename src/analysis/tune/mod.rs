@@ -3,10 +3,10 @@
 mod cheapest;
 
 use super::budget::Budget;
-use super::sweep::chart::{Attachment, Chart, quantum, usable_filter};
+use super::sweep::chart::{Attachment, Chart};
+use super::sweep::field::Sample;
 use super::sweep::tally::{Kind, Tally};
-use super::sweep::{Field, Point, Question, Range, Swept, amounts, sweep};
-use crate::depth::DepthFormat;
+use super::sweep::{Field, Point, Question, Range, Scales, Swept, amounts, sweep};
 use crate::engines::{Engine, Knob, Place};
 use crate::report::number::{percent, significant};
 use crate::report::{Block, Cell, Profile, Report, Section, Table};
@@ -48,12 +48,9 @@ pub struct Tuned {
 
 impl Tuned {
     fn new(chart: &Chart<'_, '_>, format: TexelFormat, knob: Knob, max_acne: f64) -> Self {
-        let field = chart.field;
-        let middle = field.samples.get(field.samples.len() / 2);
-        let site = middle.map(|s| field.site(s, &chart.layout));
-        let world = site.map_or(1.0, |s| 1.0 / s.window_per_world);
         let range = Range { low: 1e-7, high: 1e-1, log: true, count: 100 };
-        let amounts = amounts(knob.strategy, &range, world);
+        let scales = Scales::on(chart.field, chart.size, format, knob.strategy);
+        let amounts = amounts(knob.strategy, &range, &scales);
         let question = Question { amounts: &amounts, max_acne };
         let swept = sweep(chart, format, knob.strategy, &question);
         let value = swept.acne_free.map(|p| knob.value(f64::from(p.amount)));
@@ -62,7 +59,7 @@ impl Tuned {
 
     /// Why no value of the parameter meets the target, in one sentence.
     fn reason(&self, populations: [u64; 2]) -> String {
-        let acne = |p: &&Point| p.tally.of(Kind::Acne);
+        let acne = |p: &&Point| p.tally.of(Kind::ACNE);
         let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
         let least = self.swept.points.iter().min_by_key(acne);
         least.map_or_else(String::new, |p| {
@@ -105,27 +102,30 @@ impl Tuned {
 /// Where units are converted: the receiver in the middle of those counted.
 #[must_use]
 pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place> {
-    let sample = field.samples.get(field.samples.len() / 2)?;
-    let site = field.site(sample, &field.case().light.layout(size));
+    Some(place_at(field, field.middle()?, size, format))
+}
+
+/// Where units are converted at one receiver. A polygon offset lifts its own triangle by the slope and the
+/// unit that the sweeps draw it with, so that an amount times its lever is the window depth swept.
+#[must_use]
+pub fn place_at(field: &Field<'_>, sample: &Sample, size: u32, format: TexelFormat) -> Place {
+    let layout = field.case().light.layout(size);
+    let site = field.site(sample, &layout);
     let map = &field.observer.lenses[sample.map].map;
     let (near, far) = map.projection.near_far();
     let z = map.axial_distance(sample.receiver.position);
-    let unit = match format {
-        TexelFormat::Depth(DepthFormat::Unorm16) => crate::num::exp2(-16),
-        TexelFormat::Depth(DepthFormat::Unorm8) | TexelFormat::Packed(_) => crate::num::exp2(-16),
-        TexelFormat::Depth(DepthFormat::F16) => crate::num::exp2(-11),
-        TexelFormat::Depth(_) => crate::num::exp2(-24),
-    };
-    Some(Place {
+    let [caster_slope, unit] = field.offset_terms(sample, &layout, format).map(f64::from);
+    Place {
         near,
         far,
         distance: (!map.is_orthographic()).then_some(z),
         texel_world: site.texel_world,
         cosine: site.normal.dot(site.to_light).clamp(1e-6, 1.0),
         slope: receiver_slope(site.gradient, site.map_size),
+        caster_slope,
         unit,
-        step: quantum(format, sample.coord[2]),
-    })
+        step: format.step(sample.coord[2]),
+    }
 }
 
 fn shares(tally: &Tally, populations: [u64; 2]) -> Vec<Cell> {
@@ -196,6 +196,9 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     tally
 }
 
+/// What is said instead of other units where the value lifts by more than all of window depth.
+const BEYOND: &str = "At the middle receiver the value lifts by more than the whole depth range, so it is not shown in other units.";
+
 /// The report of one request.
 #[must_use]
 pub fn report(request: &Request) -> Report {
@@ -203,7 +206,7 @@ pub fn report(request: &Request) -> Report {
     let step = if request.profile == Profile::Quick { 4 } else { 1 };
     let field = Field::new(case, step);
     let format = case.map.texel;
-    let filter = usable_filter(case.lookup.filter, format);
+    let filter = format.usable(case.lookup.filter);
     let chart = Chart::new(&field, case.map.size, filter, Attachment::of(format));
     let mut tuned: Vec<Tuned> =
         engine.knobs().iter().map(|&k| Tuned::new(&chart, format, k, request.max_acne)).collect();
@@ -232,8 +235,10 @@ pub fn report(request: &Request) -> Report {
         let amount = f64::from(t.swept.acne_free?.amount);
         place(&field, chart.size, format)?.window(t.knob.strategy, amount)
     });
-    if let (Some(bias), Some(place)) = (window, place(&field, chart.size, format)) {
-        section.push(units(&place, bias));
+    match (window, place(&field, chart.size, format)) {
+        (Some(bias), Some(place)) => section.push(units(&place, bias)),
+        (None, Some(_)) if best.is_some() => section.push(BEYOND),
+        _ => {}
     }
     let light = best.and_then(|t| t.swept.acne_free).map_or(0.0, |p| p.tally.false_light() as f64);
     let allowed = light / populations[1].max(1) as f64 + 0.005;
@@ -310,7 +315,7 @@ fn answer(
     let engine = request.engine;
     let share = |n: i64, side: usize| percent(n as f64 / populations[side].max(1) as f64, 3);
     let default = rows.last().map_or_else(String::new, |(_, t)| {
-        let (shadow, light) = (share(t.of(Kind::Acne), 0), share(t.false_light(), 1));
+        let (shadow, light) = (share(t.of(Kind::ACNE), 0), share(t.false_light(), 1));
         format!(
             " The default leaves {shadow} of the lit with acne and {light} of the shadowed lit."
         )
@@ -320,7 +325,7 @@ fn answer(
             "Set {} to {}: acne falls to {} of the lit, false light is {} of the shadowed.{}{default}",
             t.knob.name,
             significant(value, 6),
-            share(point.tally.of(Kind::Acne), 0),
+            share(point.tally.of(Kind::ACNE), 0),
             share(point.tally.false_light(), 1),
             t.conflict(),
         ),

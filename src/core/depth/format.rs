@@ -77,6 +77,21 @@ impl DepthFormat {
         }
     }
 
+    /// The largest |decoded − z| of a depth z ∈ [0, 1), stored to nearest and read back exactly: half the
+    /// widest spacing; 0 for f32, which depths are given in.
+    #[must_use]
+    pub fn worst_error(self) -> f64 {
+        match self {
+            Self::F32 => 0.0,
+            Self::Unorm8
+            | Self::Unorm16
+            | Self::Unorm24
+            | Self::Unorm32
+            | Self::F16
+            | Self::Bf16 => self.quantum(0.5) / 2.0,
+        }
+    }
+
     /// Spacing of the format's values at `depth` ∈ [0,1], in window depth.
     #[must_use]
     pub fn quantum(self, depth: f32) -> f64 {

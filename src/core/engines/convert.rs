@@ -17,7 +17,10 @@ pub struct Place {
     pub cosine: f64,
     /// Largest depth slope of the surface per texel, window depth.
     pub slope: f64,
-    /// Smallest resolvable difference r of the format.
+    /// Depth slope m of the caster's triangle per texel in the device's norm, window depth: what a polygon
+    /// offset multiplies by its factor.
+    pub caster_slope: f64,
+    /// Smallest resolvable difference r of the depth attachment, window depth.
     pub unit: f64,
     /// One step of the format, window depth.
     pub step: f64,
@@ -70,15 +73,16 @@ impl Place {
         amount.is_finite().then_some(amount)
     }
 
-    /// The window depth that an amount is worth; the inverse of [`Self::amount`]: each is rounded once, so
-    /// that going to and fro stays within 2 ulp where the bias is worth at most a third of the distance.
+    /// The window depth that an amount ≥ 0 is worth; the inverse of [`Self::amount`]: each is rounded once,
+    /// so that going to and fro stays within 2 ulp where the bias is worth at most a third of the distance.
+    /// `None` also where it would be more than the whole window depth.
     #[must_use]
     pub fn window(&self, strategy: Strategy, amount: f64) -> Option<f64> {
         let bias = match self.lever(strategy)? {
             Lever::Window(scale) => amount * scale,
             Lever::World(scale) => self.drop(amount, scale),
         };
-        bias.is_finite().then_some(bias)
+        (0.0..=1.0).contains(&bias).then_some(bias)
     }
 
     /// What one unit of a strategy lifts. A normal offset d lifts d/cos θ along the light (it moves
@@ -96,8 +100,11 @@ impl Place {
             Strategy::Constant => Some(Lever::Window(1.0)),
             Strategy::FormatSteps => Some(Lever::Window(self.step)),
             Strategy::RasterUnits => Some(Lever::Window(self.unit)),
-            Strategy::SlopeRaster | Strategy::ReceiverSlope => Some(Lever::Window(self.slope)),
-            Strategy::RasterPlaycanvas => Some(Lever::Window(10.0 * (self.slope + self.unit))),
+            Strategy::SlopeRaster => Some(Lever::Window(self.caster_slope)),
+            Strategy::ReceiverSlope => Some(Lever::Window(self.slope)),
+            Strategy::RasterPlaycanvas => {
+                Some(Lever::Window(10.0 * (self.caster_slope + self.unit)))
+            }
             Strategy::World | Strategy::LightOffset | Strategy::Adaptive => Some(Lever::World(1.0)),
             Strategy::Texels | Strategy::CasterLight => Some(Lever::World(texel)),
             Strategy::NormalOffset => normal(One, 1.0),

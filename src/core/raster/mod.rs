@@ -124,38 +124,23 @@ impl Setup {
         }
     }
 
-    /// The unit r of a constant offset in a depth buffer of `format`.
+    /// The depth whose exponent makes the unit r of a float depth buffer: the largest |z| of the corners,
+    /// or what the measured implementation takes for it.
+    #[must_use]
+    pub fn reference_depth(&self, device: &Device) -> f32 {
+        if device.offset_unit == OffsetUnit::Measured {
+            return plane::measured_reference(&self.projected);
+        }
+        let scale = self.clip.range.scale();
+        let depths = self.projected.clip.map(|v| (v.z / v.w * scale + (1.0 - scale)).abs());
+        depths.into_iter().fold(0.0, f32::max)
+    }
+
+    /// The unit r of a constant offset in a depth buffer of `format`: [`Device::resolvable`] of this
+    /// triangle.
     #[must_use]
     pub fn resolvable(&self, device: &Device, format: DepthFormat) -> f32 {
-        let format = device.depth_format(format);
-        let bits = match format {
-            DepthFormat::F16 => 11,
-            DepthFormat::F32 => 24,
-            _ => format.unorm_max().map_or(24, u32::count_ones),
-        };
-        let exact = crate::num::exp2(-(bits as i32)) as f32;
-        match (device.offset_unit, format.unorm_max()) {
-            (OffsetUnit::One, _) => 1.0,
-            (OffsetUnit::ForceUnorm, _) => exact,
-            (OffsetUnit::Measured, Some(max)) => 1.01 / max as f32,
-            (OffsetUnit::Specification, Some(max)) => 1.0 / (max as f32 + 1.0),
-            (OffsetUnit::D3d, Some(max)) => 1.0 / max as f32,
-            (OffsetUnit::Doubled, Some(_)) => 2.0 * exact,
-            (OffsetUnit::AmdPal, Some(_)) => {
-                if bits == 24 {
-                    4.0 * exact
-                } else {
-                    2.0 * exact
-                }
-            }
-            (OffsetUnit::Measured, None) => plane::measured_float_unit(&self.projected),
-            (_, None) => {
-                let scale = self.clip.range.scale();
-                let depth = |v: Vec4| (v.z / v.w * scale + (1.0 - scale)).abs();
-                let depths = self.projected.clip.map(depth);
-                plane::exponent_unit(depths.into_iter().fold(0.0, f32::max))
-            }
-        }
+        device.resolvable(format, self.reference_depth(device))
     }
 
     /// The offset of this triangle in a depth buffer of `format`, f32; positive away from the light.

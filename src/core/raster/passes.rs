@@ -4,7 +4,7 @@ use super::{Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, S
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::light::{Layout, Lens, Light, Lookup, Place};
-use crate::scene::{Case, Cull, DepthBuffer, MatrixChain, Stages, TexelFormat};
+use crate::scene::{Case, Cull, MatrixChain, Stages};
 use crate::shadow::{Drawn, Few, ShadowMap};
 use crate::view::{ClipRange, ClipSpace};
 use glam::{DVec3, Vec4};
@@ -127,11 +127,7 @@ impl MapRaster {
 /// The format whose codes the map pass' depth test compares.
 #[must_use]
 pub fn map_depth_buffer(case: &Case) -> DepthFormat {
-    match (case.map.depth_buffer, case.map.texel) {
-        (DepthBuffer::Unorm16, _) => DepthFormat::Unorm16,
-        (DepthBuffer::Texture, TexelFormat::Depth(format)) => format,
-        (DepthBuffer::Texture, TexelFormat::Packed(_)) => DepthFormat::F32,
-    }
+    case.map.attachment()
 }
 
 /// Draws the case's casters into its maps under a given depth attachment.
@@ -186,6 +182,15 @@ impl<'a> Subject<'a> {
         let corners = self.vertices.triangles[triangle as usize];
         let clip = corners.map(|v| self.vertices.camera_clip[v as usize]);
         Setup::new(&self.device, self.canvas.size, clip)
+    }
+
+    /// The set-up of a triangle as a map of a layout sees it.
+    #[must_use]
+    pub fn map_setup(&self, triangle: u32, map: usize, layout: &Layout) -> Setup {
+        let corners = self.vertices.triangles[triangle as usize];
+        let clip = corners.map(|v| self.vertices.maps[map].clip[v as usize]);
+        let space = self.case.light.maps()[map].clip;
+        Setup::in_space(&self.device, layout.rect(map).size, space, clip)
     }
 
     /// What the camera pass interpolates over a triangle: for each map the varying from which look-ups

@@ -158,20 +158,14 @@ fn measured_steps<'a>(
     (origin, step)
 }
 
-/// The largest exponent unit 2^(e−23) among the reference depth and the *differences* of the other
-/// two from it: what the measured implementation takes for r with float depth.
-pub(super) fn measured_float_unit(p: &Projected) -> f32 {
+/// The largest among the reference depth and the *differences* of the other two from it: the depth whose
+/// exponent the measured implementation takes for r with float depth.
+pub(super) fn measured_reference(p: &Projected) -> f32 {
     let [o, q, r] = p.reference_order();
     let z = p.clip.map(|v| v.z * (1.0 / v.w));
     let scale = p.range.scale();
     let terms = [z[o], z[q] - z[o], z[r] - z[o]].map(|z| z * scale + (1.0 - scale));
-    exponent_unit(terms.into_iter().fold(0.0, |m: f32, t| m.max(t.abs())))
-}
-
-/// 2^(e−23) of a depth with exponent e; 0 for 0.
-pub(super) fn exponent_unit(depth: f32) -> f32 {
-    let exponent = (depth.to_bits() >> 23 & 0xff) as i32 - 127;
-    if depth == 0.0 { 0.0 } else { f32::from_bits(((exponent - 23 + 127).max(0) as u32) << 23) }
+    terms.into_iter().fold(0.0, |m: f32, t| m.max(t.abs()))
 }
 
 /// Perspective-correct interpolation of per-vertex values.

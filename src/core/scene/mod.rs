@@ -5,16 +5,16 @@ pub mod chain;
 pub mod matrix;
 pub mod pipeline;
 pub mod shapes;
+pub mod texel;
 
 use crate::camera::Camera;
 use crate::device::DeviceProfile;
 use crate::light::{Layout, Light, Map};
 pub use chain::{Matrices, MatrixChain, Stages};
 use glam::{DVec3, Mat4, Vec3};
-pub use pipeline::{
-    CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, TexelFormat, Wrap,
-};
+pub use pipeline::{CompareRule, CoordForm, Cull, Filter, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;
+pub use texel::{DepthBuffer, TexelFormat};
 
 /// World-space triangles in f64: what truth and analysis call *the scene*. A triangle's index is
 /// its id everywhere (maps, EXR channels, verdicts).

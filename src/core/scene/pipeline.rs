@@ -1,6 +1,7 @@
 //! The words in which a case fixes its pipeline: how it transforms, draws, stores and compares.
 
-use crate::depth::{DepthFormat, Packing};
+use super::texel::{DepthBuffer, TexelFormat};
+use crate::depth::DepthFormat;
 use crate::view::{ClipRange, ClipSpace};
 
 crate::catalogue! {
@@ -186,36 +187,6 @@ crate::catalogue! {
     }
 }
 
-crate::catalogue! {
-    /// The depth attachment that decides which fragment a texel keeps.
-    pub enum DepthBuffer {
-        /// A 16-bit renderbuffer under a colour-packed pass.
-        Unorm16 = "d16",
-        /// The depth texture itself, as float.
-        Texture = "d32f-texture",
-    }
-}
-
-/// What a texel holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TexelFormat {
-    /// A depth texture.
-    Depth(DepthFormat),
-    /// Four colour bytes.
-    Packed(Packing),
-}
-
-impl TexelFormat {
-    /// The name of the format or packing.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Depth(format) => format.name(),
-            Self::Packed(packing) => packing.name(),
-        }
-    }
-}
-
 /// How a light's maps are drawn and kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSpec {
@@ -230,6 +201,28 @@ pub struct MapSpec {
     pub depth_buffer: DepthBuffer,
     /// Faces left out of the map.
     pub cull: Cull,
+}
+
+impl MapSpec {
+    /// The same map with another size and format. A packing keeps the clear colour of a packing, others
+    /// clear to white; a depth texture is its own depth attachment.
+    #[must_use]
+    pub fn with(&self, size: u32, texel: TexelFormat) -> Self {
+        let keeps = self.texel.is_packed() && texel.is_packed();
+        Self {
+            size,
+            texel,
+            clear: if keeps { self.clear } else { [1.0; 4] },
+            depth_buffer: if texel.is_packed() { self.depth_buffer } else { DepthBuffer::Texture },
+            cull: self.cull,
+        }
+    }
+
+    /// The format of the depth attachment, in whose unit r a polygon offset counts.
+    #[must_use]
+    pub const fn attachment(&self) -> DepthFormat {
+        self.texel.attachment(self.depth_buffer)
+    }
 }
 
 /// How a receiver looks the map up.

@@ -1,6 +1,7 @@
 //! Which texels a look-up reads, and with what arithmetic.
 
-use super::footprint::{Footprint, Footprints, Sampling, centre};
+use super::footprint::{Footprint, Footprints, centre};
+use super::sampling::Sampling;
 use super::{Few, ShadowMap, sampler};
 use crate::depth::Packing;
 use crate::device::{Device, NearestCoord};

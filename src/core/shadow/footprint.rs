@@ -2,30 +2,10 @@
 
 use super::place::{Place, Shape, WIDEST, shape};
 use super::sampler;
+use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
-use crate::scene::{Filter, Wrap};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// How look-ups of maps find their texels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
-    /// Texels read.
-    pub filter: Filter,
-    /// What lies beyond the edges.
-    pub wrap: Wrap,
-    /// Whether NEAREST coordinates are fixed point ([`sampler::nearest_texel`]).
-    pub fixed: bool,
-}
-
-/// From the coordinate of a look-up to what one of its taps stands for, in units of u and v.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Offset {
-    /// To the point that the filter samples.
-    pub sample: [f32; 2],
-    /// To the centre of the texel.
-    pub centre: [f32; 2],
-}
 
 /// What LINEAR mixes before it decodes: four texels, x before y, and the two weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -283,6 +263,7 @@ impl Footprints {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Filter, Wrap};
 
     fn sampling(filter: Filter) -> Sampling {
         Sampling { filter, wrap: Wrap::Clamp, fixed: false }

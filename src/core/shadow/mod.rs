@@ -11,6 +11,7 @@ mod lookup;
 pub mod margins;
 mod place;
 pub mod sampler;
+mod sampling;
 
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
@@ -18,9 +19,10 @@ use crate::light::Layout;
 use crate::scene::{MapSpec, NO_TRIANGLE, TexelFormat};
 pub use few::Few;
 pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth};
-pub use footprint::{Footprint, Footprints, Mix, Offset, Sampling};
+pub use footprint::{Footprint, Footprints, Mix};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 use rayon::prelude::*;
+pub use sampling::{Offset, Sampling};
 use std::slice;
 
 /// Stored texels, row by row from the bottom.

@@ -1,8 +1,8 @@
 //! What a filter compares, and which texels lie there.
 
 use super::disk::{poisson16, vogel5, vogel16};
-use super::footprint::{Offset, Sampling};
 use super::sampler;
+use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
 use crate::scene::Filter;
 

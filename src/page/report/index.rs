@@ -3,24 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
+use super::files::Entry;
 use super::page;
 use crate::output::{OutFile, publish};
 use gnomon_core::{Error, Result};
-
-/// What an index shows of a report; read from its `report.json`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Entry {
-    /// Folder below the index, filled in when read.
-    #[serde(default)]
-    pub(super) folder: String,
-    pub(super) title: String,
-    pub(super) question: String,
-    pub(super) lead: Vec<String>,
-    pub(super) profile: String,
-    pub(super) command: String,
-}
 
 /// Writes `folder/index.html` with the verdict of every report in a subfolder, by name.
 ///

@@ -6,6 +6,7 @@
 mod blob;
 pub mod explorer;
 mod exr;
+mod files;
 pub mod gpu;
 mod heatmap;
 mod image;

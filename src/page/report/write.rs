@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::files::Figure;
 use super::{Block, Plot, Report, Size, page};
 use crate::output::{self, Manifest, OutFile};
 use gnomon_core::Result;
@@ -25,19 +26,6 @@ impl Written {
     pub fn page(&self) -> PathBuf {
         self.folder.join("index.html")
     }
-}
-
-/// The files of one block, and what the page shows of them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Figure {
-    /// SVG text of a plot.
-    pub(super) svg: String,
-    /// PNG bytes of a picture.
-    pub(super) png: Vec<u8>,
-    /// Description and arrays of an explorer or a panel.
-    pub(super) pack: (String, String),
-    /// Files beside the page.
-    pub(super) files: Vec<OutFile>,
 }
 
 impl Report {

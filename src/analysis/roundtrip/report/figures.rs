@@ -1,7 +1,7 @@
 //! The report's figures: heat map, error against depth, filters, world-space resolution.
 
 use super::{Measured, SETTINGS};
-use crate::analysis::roundtrip::combination::Conditions;
+use crate::analysis::roundtrip::conditions::Conditions;
 use crate::analysis::roundtrip::curve::error_curve;
 use crate::analysis::roundtrip::filter::{FilterResult, FilterSweep, Slope, max_at};
 use crate::analysis::roundtrip::world::WorldResolution;

@@ -6,7 +6,8 @@ mod results;
 mod tables;
 
 use super::certificate::Certificate;
-use super::combination::{Conditions, Effort};
+use super::combination::Effort;
+use super::conditions::Conditions;
 use super::survey::Method;
 use super::verdict::{Advice, Evidence, verdict};
 use crate::depth::packing::TextPair;

@@ -1,12 +1,13 @@
 //! Packings: window depth → UNORM8 channels → depth, each in its own exact order of operations.
 //!
-//! To add one: implement [`Pair`] in its family's file, add one line to the catalogue and one to
-//! [`Packing::with_pair`]. Tests, certificates, reports and command-line names follow.
+//! To add one: implement [`Pair`] in its family's file, add one line to the catalogue, one to
+//! [`Packing::with_pair`] and one to [`Packing::worst_error`]. Tests, certificates, reports and command-line names follow.
 
 mod base255;
 mod base256;
 mod bits;
 mod digits;
+mod error;
 mod source;
 #[cfg(feature = "toml")]
 mod text;

@@ -8,6 +8,7 @@ pub mod layers;
 pub mod normal;
 pub mod plane;
 pub mod slope;
+mod unit;
 
 pub use constant::Weights;
 use glam::{DVec2, DVec3};
@@ -15,6 +16,7 @@ pub use layers::Layers;
 pub use normal::{NormalMove, NormalWeight};
 pub use plane::Follow;
 pub use slope::PolygonOffset;
+pub use unit::Unit;
 
 /// What a bias may know about a place on a surface. World units, f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -287,37 +289,37 @@ impl Strategy {
 
     /// The parameter's unit.
     #[must_use]
-    pub const fn unit(self) -> &'static str {
+    pub const fn unit(self) -> Unit {
         match self {
-            Self::None => "nothing",
+            Self::None => Unit::Nothing,
             Self::Constant
             | Self::ReceiverPlane
             | Self::ReceiverPlaneTap
             | Self::FrontCulling
             | Self::SecondDepth
             | Self::Midpoint
-            | Self::DualLayer => "window depth",
+            | Self::DualLayer => Unit::WindowDepth,
             Self::World
             | Self::NormalOffset
             | Self::NormalCesium
             | Self::LightOffset
             | Self::CasterBabylon
             | Self::Adaptive
-            | Self::Oriented => "world units",
+            | Self::Oriented => Unit::WorldUnits,
             Self::Texels
             | Self::NormalHdrp
             | Self::CasterUnity
             | Self::CasterUrp
             | Self::CasterLight
-            | Self::NormalGodot => "texels",
-            Self::FormatSteps => "format steps",
-            Self::SlopeRaster | Self::ReceiverSlope => "slopes per texel",
-            Self::RasterPlaycanvas => "tenths of a slope",
-            Self::RasterUnits => "units r",
-            Self::NormalBevy => "texel diagonals",
-            Self::NormalFilament => "half texels",
-            Self::CasterUnreal => "quarter texels",
-            Self::NormalBlender => "multiples of its own",
+            | Self::NormalGodot => Unit::Texels,
+            Self::FormatSteps => Unit::FormatSteps,
+            Self::SlopeRaster | Self::ReceiverSlope => Unit::Slopes,
+            Self::RasterPlaycanvas => Unit::TenthsOfASlope,
+            Self::RasterUnits => Unit::UnitsR,
+            Self::NormalBevy => Unit::TexelDiagonals,
+            Self::NormalFilament => Unit::HalfTexels,
+            Self::CasterUnreal => Unit::QuarterTexels,
+            Self::NormalBlender => Unit::OwnMultiples,
         }
     }
 

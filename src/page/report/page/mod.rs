@@ -9,8 +9,7 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 
-use super::index::Entry;
-use super::write::Figure;
+use super::files::{Entry, Figure};
 use super::{Block, Report};
 
 pub(super) use explorer_view::{pack, pack_panel};

@@ -6,9 +6,9 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
+use crate::report::files::Figure;
 use crate::report::heatmap::Shade;
 use crate::report::palette::Colour;
-use crate::report::write::Figure;
 use crate::report::{
     Block, Cell, Explorer, Finding, HeatMap, Picture, Plot, Report, Section, Table, Tile, number,
 };

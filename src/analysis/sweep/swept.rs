@@ -1,0 +1,56 @@
+//! What a sweep of one strategy found: counts at each amount, and the amounts where something turns.
+
+use super::tally::Tally;
+use crate::scene::{Filter, TexelFormat};
+use crate::shadow::bias::Strategy;
+
+/// Counts at one amount.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// The strategy's parameter.
+    pub amount: f32,
+    /// Wrong verdicts there.
+    pub tally: Tally,
+    /// Longest way that a peter-panned receiver lies inside its true shadow, towards the light on the
+    /// surface, world units: the contact gap to within a pixel.
+    pub gap: f64,
+}
+
+/// A strategy on one map, format and filter.
+#[derive(Clone, Debug)]
+pub struct Swept {
+    /// The strategy.
+    pub strategy: Strategy,
+    /// Format of a texel.
+    pub format: TexelFormat,
+    /// Filter of the look-ups.
+    pub filter: Filter,
+    /// Texels per side.
+    pub size: u32,
+    /// Counts at the asked amounts.
+    pub points: Vec<Point>,
+    /// The smallest amount from which acne stays within the limit.
+    pub acne_free: Option<Point>,
+    /// Largest breakpoint of truly lit receivers that see their own surface alone (tap families).
+    pub critical: Option<f32>,
+    /// The smallest amount that loses a true shadow by itself, whatever the format: peter-panning begins.
+    pub detachment: Option<f32>,
+    /// Truly lit and truly shadowed receivers.
+    pub populations: [u64; 2],
+}
+
+impl Swept {
+    /// detachment − the acne-free amount: positive if an amount is free of both.
+    #[must_use]
+    pub fn headroom(&self) -> Option<f64> {
+        let free = self.acne_free?.amount;
+        Some(self.detachment.map_or(f64::INFINITY, f64::from) - f64::from(free))
+    }
+
+    /// The asked amount with the fewest wrong verdicts; the smallest of equals.
+    #[must_use]
+    pub fn least(&self) -> Option<&Point> {
+        let wrong = |p: &&Point| p.tally.false_shadow() + p.tally.false_light();
+        self.points.iter().min_by_key(wrong)
+    }
+}
