@@ -5,6 +5,7 @@ use gnomon::analysis::ladder::Rung;
 use gnomon::analysis::measure::measure;
 use gnomon::analysis::observe::{Observer, Standing};
 use gnomon::analysis::walk::Walk;
+use gnomon::light::Lens;
 use gnomon::raster::NO_TRIANGLE;
 use gnomon::scene::{Case, cases::analytic};
 use gnomon::shadow::breakpoint;
@@ -23,11 +24,12 @@ impl<'a> Probe<'a> {
     /// Receiver depth and stored depth.
     fn depths(&self, position: DVec3) -> (f32, f32) {
         let case = self.observer.case();
-        let window = case.light.window_from_world(&self.observer.clip_from_world, position);
-        let [u, v, z] = window.expect("before the light").as_vec3().to_array();
         let subject = &self.observer.subject;
-        let texel = subject.map.nearest(&subject.device, case.lookup.wrap, u, v);
-        (z, subject.map.depth(&subject.device, texel as usize))
+        let coord = |lens: &Lens| lens.look(position).expect("before the light").as_vec3();
+        let coords: Vec<_> = self.observer.lenses.iter().map(|l| coord(l).to_array()).collect();
+        let [lookup] = subject.lookups(position, &coords)[..] else { panic!("one look-up") };
+        let texel = subject.map.nearest(&subject.device, case.lookup.wrap, &lookup);
+        (lookup.coord[2], subject.map.depth(&subject.device, texel as usize))
     }
 
     fn is_lit(&self, position: DVec3, bias: f32) -> bool {

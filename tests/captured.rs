@@ -6,10 +6,15 @@ use gnomon::analysis::classify::Artifact;
 use gnomon::analysis::effort::Effort;
 use gnomon::analysis::measure::{measure, measure_captured};
 use gnomon::depth::{DepthFormat, Packing};
+use gnomon::light::Map;
 use gnomon::raster::passes::Subject;
 use gnomon::scene::{Case, TexelFormat, cases, matrix};
 use std::path::Path;
 use std::process::Command;
+
+fn only_map(case: &Case) -> &Map {
+    case.light.only_map().expect("one map")
+}
 
 fn case(format: TexelFormat) -> Case {
     let mut case = cases::named("staircase").expect("a standard scene");
@@ -66,7 +71,7 @@ fn a_light_matrix_places_the_map() {
     let own = case(TexelFormat::Depth(DepthFormat::F32));
     let path = folder.path().join("map.exr");
     saved(&own, &path);
-    let rows = own.light.clip_from_world().as_mat4().transpose().to_cols_array();
+    let rows = only_map(&own).clip_from_world().as_mat4().transpose().to_cols_array();
     let arguments = CapturedArguments {
         map_file: Some(path),
         light_matrix: rows.iter().map(|x| f64::from(*x)).collect(),
@@ -175,11 +180,12 @@ fn mistakes_are_one_sentence() {
 #[test]
 fn the_lights_of_all_cases_are_found_again_from_their_matrices() {
     for case in cases::all() {
-        let own = case.light.clip_from_world();
+        let own = only_map(&case).clip_from_world();
         let found = matrix::light(own).unwrap_or_else(|e| panic!("{}: {e}", case.name));
         assert_eq!(found.is_directional(), case.light.is_directional(), "{}", case.name);
         for p in [DVec3::ZERO, DVec3::new(1.0, 0.5, -0.25)] {
-            let [a, b] = [own, found.clip_from_world()].map(|m| m.project_point3(p));
+            let [a, b] = [own, found.only_map().expect("one map").clip_from_world()]
+                .map(|m| m.project_point3(p));
             let scale = a.abs().max_element().max(1.0);
             assert!((a - b).abs().max_element() < 1e-9 * scale, "{}: {a} {b}", case.name);
         }
@@ -188,7 +194,7 @@ fn the_lights_of_all_cases_are_found_again_from_their_matrices() {
 
 #[test]
 fn what_no_light_uploads_is_refused() {
-    let sound = cases::named("upc").expect("a case").light.clip_from_world();
+    let sound = only_map(&cases::named("upc").expect("a case")).clip_from_world();
     let mirrored = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)) * sound;
     let mut skew = DMat4::IDENTITY;
     skew.x_axis.y = 0.5;

@@ -11,6 +11,7 @@ use gnomon::scene::{Case, Filter, TexelFormat, cases::analytic};
 use gnomon::shadow::bias::Strategy;
 use gnomon::shadow::{breakpoint, texel_depth};
 use gnomon::truth::Receiver;
+use gnomon::view::{Projection, View};
 
 /// Texel edge, depth range and map size of the analytic planes under the sun.
 const TEXEL: f64 = 0.125;
@@ -263,19 +264,16 @@ fn powers_of_two_change_nothing() {
             object.mesh.positions.iter_mut().for_each(|p| *p *= scale as f32);
         }
         let length = |x: &mut f64| *x *= scale;
-        for view in [&mut case.light.view, &mut case.camera.view] {
-            view.position *= scale;
-            view.target *= scale;
-        }
-        for projection in [&mut case.light.projection, &mut case.camera.projection] {
-            if let gnomon::view::Projection::Orthographic { width, height, near, far } = projection
-            {
+        let view = |v: View| View { position: v.position * scale, target: v.target * scale, ..v };
+        let projection = |mut projection: Projection| {
+            if let Projection::Orthographic { width, height, near, far } = &mut projection {
                 [width, height, near, far].into_iter().for_each(length);
             }
-        }
-        for object in &mut case.objects {
-            object.matrices = case.chain.matrices(&case.light, &case.camera, &object.model);
-        }
+            projection
+        };
+        case.light = case.light.remade(view, projection);
+        case.camera.view = view(case.camera.view);
+        case.camera.projection = projection(case.camera.projection);
         let field = Field::new(&case, 8);
         let chart = Chart::new(&field, SIZE, Filter::Nearest, Attachment::Depth);
         let looks = chart.looks(case.map.texel, &Strategy::Constant.with(0.0));

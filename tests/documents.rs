@@ -118,7 +118,7 @@ fn the_curve_equals_the_literal_rule() {
             let (mut false_shadow, mut false_light) = (0, 0);
             for o in measured.observations.iter().filter(|o| o.standing == Standing::Counted) {
                 let lit =
-                    o.taps.depths().iter().filter(|d| rule.is_lit(o.coord[2], **d, bias)).count();
+                    (0..o.taps.depths().len()).filter(|&i| o.taps.is_lit(rule, i, bias)).count();
                 match o.truly_lit() {
                     Some(true) => false_shadow += u64::from(lit < o.taps.depths().len()),
                     _ => false_light += u64::from(lit > 0),

@@ -130,9 +130,12 @@ fn phases(case: &Case) {
     timed("curve", || Curve::new(&list));
     let receivers: Vec<_> = list.iter().map(|o| o.receiver).collect();
     timed("truth alone", || izb::truths(&observer.geometry, &receivers, observer.light()));
-    let foremost = timed("planes", || Foremost::new(&observer, Faces::Both));
-    let points: Vec<_> = list.iter().map(|o| o.exact.truncate()).collect();
-    timed("one look at every point", || foremost.at(&points));
+    for (map, lens) in observer.lenses.iter().enumerate() {
+        let foremost = timed("planes", || Foremost::new(&observer, lens, Faces::Both));
+        let within = list.iter().filter(|o| o.map == map);
+        let points: Vec<_> = within.map(|o| o.exact.truncate()).collect();
+        timed("one look at every point", || foremost.at(&points));
+    }
     timed("dropping", || drop(list));
 }
 

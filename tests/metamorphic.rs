@@ -5,13 +5,13 @@ use gnomon::analysis::documents::{self, Options, Which};
 use gnomon::analysis::observe::{Observation, Observer};
 use gnomon::device::DeviceProfile;
 use gnomon::num::{check_float_mode, exp2};
-use gnomon::raster::passes::{Transformed, draw_map, map_depth_buffer};
-use gnomon::raster::{NO_TRIANGLE, Raster};
+use gnomon::raster::NO_TRIANGLE;
+use gnomon::raster::passes::{MapRaster, Transformed, draw_map, map_depth_buffer};
 use gnomon::report::Profile;
 use gnomon::scene::{Case, Mesh, cases, cases::analytic};
 use gnomon::shadow::visibility;
 use gnomon::stress::{self, Effort, Sheet};
-use gnomon::view::Projection;
+use gnomon::view::{Projection, View};
 
 fn named(names: &[&str]) -> Vec<Case> {
     names.iter().map(|name| cases::named(name).expect("a known case")).collect()
@@ -29,13 +29,13 @@ fn moved(
     length: f64,
 ) -> Case {
     let mut case = case.clone();
-    for view in [&mut case.light.view, &mut case.camera.view] {
-        view.position = point(view.position);
-        view.target = point(view.target);
-        view.up = direction(view.up);
-    }
-    for projection in [&mut case.light.projection, &mut case.camera.projection] {
-        match projection {
+    let view = |v: View| View {
+        position: point(v.position),
+        target: point(v.target),
+        up: direction(v.up),
+    };
+    let projection = |mut projection: Projection| {
+        match &mut projection {
             Projection::Perspective { near, far, .. } => {
                 *near *= length;
                 *far *= length;
@@ -44,7 +44,11 @@ fn moved(
                 [width, height, near, far].into_iter().for_each(|x| *x *= length);
             }
         }
-    }
+        projection
+    };
+    case.light = case.light.remade(view, projection);
+    case.camera.view = view(case.camera.view);
+    case.camera.projection = projection(case.camera.projection);
     for object in &mut case.objects {
         // Model matrices of these cases translate; the move goes into the positions.
         let offset = object.model.w_axis.truncate();
@@ -52,7 +56,6 @@ fn moved(
         let place = |p: &Vec3| point((*p + offset).as_dvec3()).as_vec3();
         object.mesh.positions = object.mesh.positions.iter().map(place).collect();
         object.model = Mat4::IDENTITY;
-        object.matrices = case.chain.matrices(&case.light, &case.camera, &object.model);
     }
     case
 }
@@ -95,7 +98,7 @@ fn acne_shrinks_and_leaks_grow_with_the_bias() {
             let (low, high) = (a.min(b), a.max(b));
             pairs += 1;
             for o in &observations {
-                let lit = |b: f32| visibility(&case.lookup, o.coord, &o.taps, b);
+                let lit = |b: f32| visibility(&case.lookup, &o.lookups, &o.taps, b);
                 let (before, after) = (lit(low), lit(high));
                 assert!(before <= after, "{} {:?}: {low:e} {high:e}", case.name, o.pixel);
                 changed += u32::from(before < after);
@@ -178,7 +181,7 @@ fn a_quarter_turn_of_the_map_changes_nothing() {
     for name in ["t1-tilted-plane", "t11-plates"] {
         let case = named(&[name]).remove(0);
         let mut turned = case.clone();
-        turned.light.view.up = DVec3::X;
+        turned.light = turned.light.remade(|v| View { up: DVec3::X, ..v }, |p| p);
         let turned = moved(&turned, |p| p, |d| d, 1.0);
         let (wrong, compared, undecided) =
             judged_otherwise(&unmoved(&case), &turned, 2, TWO_ULP, |p| p);
@@ -214,8 +217,7 @@ fn a_light_moved_by_whole_texels_judges_alike() {
     for (i, j) in [(1, 0), (-3, 2), (4, -4)] {
         let step = DVec3::new(f64::from(i), 0.0, f64::from(j)) * 0.125;
         let mut moved_light = case.clone();
-        moved_light.light.view.position += step;
-        moved_light.light.view.target += step;
+        moved_light.light = moved_light.light.moved(step);
         let moved_light = unmoved(&moved_light);
         let (wrong, compared, _) =
             judged_otherwise(&unmoved(&case), &moved_light, 2, TWO_ULP, |p| p);
@@ -224,8 +226,7 @@ fn a_light_moved_by_whole_texels_judges_alike() {
         // Teeth: half a texel is another map.
         let half = DVec3::X * 0.0625;
         let mut other = case.clone();
-        other.light.view.position += half;
-        other.light.view.target += half;
+        other.light = other.light.moved(half);
         let (wrong, ..) = judged_otherwise(&unmoved(&case), &unmoved(&other), 4, TWO_ULP, |p| p);
         assert!(wrong > 1000, "half a texel changes {wrong} verdicts");
     }
@@ -268,7 +269,7 @@ fn subdivided(mesh: &Mesh) -> Mesh {
     fine
 }
 
-fn map_of(case: &Case) -> Raster {
+fn map_of(case: &Case) -> MapRaster {
     let device = case.device.device();
     let vertices = Transformed::new(case, case.chain, &device);
     draw_map(case, &device, &vertices, map_depth_buffer(case))

@@ -95,8 +95,7 @@ proptest! {
             size: [48, 48],
             cull: Cull::None,
             depth_buffer: DepthFormat::F32,
-            offset: PolygonOffset::default(),
-        };
+            offset: PolygonOffset::default(), clip: Default::default(), };
         let device = DeviceProfile::Ideal.device();
         let (a, b) = (draw(&device, &pass, &clip, &triangles), draw(&device, &pass, &clip, &backwards));
         for (i, (x, y)) in a.depth.iter().zip(&b.depth).enumerate() {
@@ -113,8 +112,7 @@ proptest! {
             size: [32, 32],
             cull: Cull::None,
             depth_buffer: DepthFormat::F32,
-            offset: PolygonOffset::default(),
-        };
+            offset: PolygonOffset::default(), clip: Default::default(), };
         for profile in DeviceProfile::ALL {
             let raster = draw(&profile.device(), &pass, &clip, &[[0, 1, 2]]);
             for (z, t) in raster.depth.iter().zip(&raster.triangle) {

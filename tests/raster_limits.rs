@@ -14,7 +14,8 @@ const SIDE: u32 = 48;
 
 fn drawn(depth_buffer: DepthFormat, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
     let offset = PolygonOffset::default();
-    let pass = Pass { size: [SIDE; 2], cull: Cull::None, depth_buffer, offset };
+    let pass =
+        Pass { size: [SIDE; 2], cull: Cull::None, depth_buffer, offset, clip: Default::default() };
     draw(&DeviceProfile::Ideal.device(), &pass, clip, triangles)
 }
 

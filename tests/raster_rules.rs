@@ -29,6 +29,7 @@ fn drawn(corners: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
         cull: Cull::None,
         depth_buffer: DepthFormat::F32,
         offset: PolygonOffset::default(),
+        clip: Default::default(),
     };
     draw(&DeviceProfile::Ideal.device(), &pass, corners, triangles)
 }

@@ -74,7 +74,13 @@ fn passes() -> Vec<Pass> {
     for (k, &depth_buffer) in DepthFormat::ALL.iter().enumerate() {
         let size = [[64, 64], [129, 70], [1, 1], [300, 5], [63, 200], [128, 128], [77, 0]][k];
         for (j, &offset) in offsets.iter().enumerate() {
-            passes.push(Pass { size, cull: Cull::ALL[(k + j) % 3], depth_buffer, offset });
+            passes.push(Pass {
+                size,
+                cull: Cull::ALL[(k + j) % 3],
+                depth_buffer,
+                offset,
+                clip: Default::default(),
+            });
         }
     }
     passes
@@ -107,6 +113,7 @@ fn levels_threads_and_memory_used_again() {
         cull: Cull::None,
         depth_buffer: DepthFormat::F32,
         offset: PolygonOffset::default(),
+        clip: Default::default(),
     };
     let expected = draw_each(&device, &pass, &clip, &triangles);
     let mut again = expected.clone();

@@ -20,7 +20,7 @@ fn every_name_is_a_sound_scene() {
     for name in NAMES {
         let case = named(name).expect(name);
         assert_eq!(case.name, name);
-        let view = case.light.view.checked("light").and(case.camera.view.checked("camera"));
+        let view = case.light.eye().checked("light").and(case.camera.view.checked("camera"));
         assert!(view.is_ok(), "{name}: {view:?}");
         for object in &case.objects {
             let mesh = &object.mesh;

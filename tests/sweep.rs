@@ -7,8 +7,8 @@ use gnomon::analysis::sweep::{
     Field, Plan, Question, Range, Scales, gate, looks, plan, report, run, sweep,
 };
 use gnomon::num::{from_ordinal, ordinal};
-use gnomon::raster::passes::Subject;
-use gnomon::raster::{Pass, PolygonOffset, draw};
+use gnomon::raster::PolygonOffset;
+use gnomon::raster::passes::{MapPass, MapRaster, Subject};
 use gnomon::report::Profile;
 use gnomon::scene::{Case, Filter, TexelFormat, cases};
 use gnomon::shadow::bias::{Family, Strategy};
@@ -97,14 +97,14 @@ fn full_pipeline(case: &Case, field: &Field<'_>, offset: PolygonOffset, bias: f3
     let device = case.device.device();
     let subject = Subject::draw(case, &device);
     let format = gnomon::raster::passes::map_depth_buffer(case);
-    let pass = Pass { size: [case.map.size; 2], cull: case.map.cull, depth_buffer: format, offset };
-    let raster = draw(&device, &pass, &subject.vertices.light_clip, &subject.vertices.triangles);
-    let map = ShadowMap::store(&device, &case.map, raster.drawn());
+    let pass = MapPass { cull: case.map.cull, depth_buffer: format, offset };
+    let raster = MapRaster::draw(&case.light, case.layout(), &device, &subject.vertices, pass);
+    let map = ShadowMap::store(&device, &case.map, &raster.layout, raster.drawn());
     let mut wrong = [0, 0];
     for sample in &field.samples {
-        let [u, v, _] = sample.coord;
-        let taps = map.taps(&device, case.lookup.filter, case.lookup.wrap, u, v);
-        let lit = visibility(&case.lookup, sample.coord, &taps, bias);
+        let lookups = subject.lookups(sample.receiver.position, &sample.coords);
+        let taps = map.taps(&device, &case.lookup, &lookups);
+        let lit = visibility(&case.lookup, &lookups, &taps, bias);
         let right = if sample.lit { taps.depths().len() } else { 0 };
         wrong[usize::from(!sample.lit)] += i64::from(lit != right);
     }

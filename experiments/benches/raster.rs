@@ -19,6 +19,7 @@ use std::process::Command;
 use glam::Vec4;
 use gnomon::depth::{DepthFormat, Packing};
 use gnomon::device::DeviceProfile;
+use gnomon::light::Layout;
 use gnomon::raster::{Pass, PolygonOffset, Raster, draw_at, draw_each, draw_into, quickest};
 use gnomon::scene::{Cull, DepthBuffer, Geometry, MapSpec, TexelFormat};
 use gnomon::shadow::ShadowMap;
@@ -59,7 +60,7 @@ fn lights(scene: &Geometry) -> [(&'static str, Vec<Vec4>); 2] {
 
 fn pass(size: u32, depth_buffer: DepthFormat) -> Pass {
     let offset = PolygonOffset::default();
-    Pass { size: [size; 2], cull: Cull::None, depth_buffer, offset }
+    Pass { size: [size; 2], cull: Cull::None, depth_buffer, offset, clip: Default::default() }
 }
 
 fn one_map(name: &str, light: &str, size: u32, clip: &[Vec4], triangles: &[[u32; 3]]) {
@@ -126,10 +127,11 @@ fn six_formats(size: u32, clip: &[Vec4], triangles: &[[u32; 3]]) {
     let (depth_buffer, cull) = (DepthBuffer::Texture, Cull::None);
     let specs = SIX.map(|texel| MapSpec { size, texel, clear, depth_buffer, cull });
     let mut maps = SIX.map(ShadowMap::empty);
-    ShadowMap::store_each(&mut maps, &device, &specs, drawn.drawn());
+    let layout = Layout::whole([size; 2]);
+    ShadowMap::store_each(&mut maps, &device, &specs, &layout, drawn.drawn());
     let mut job = |count: usize| {
         draw_into(&mut drawn, quickest(), &device, &pass, clip, triangles);
-        ShadowMap::store_each(&mut maps[..count], &device, &specs[..count], drawn.drawn());
+        ShadowMap::store_each(&mut maps[..count], &device, &specs[..count], &layout, drawn.drawn());
     };
     let one = threads(1);
     let mut ways = Ways::default();

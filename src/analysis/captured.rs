@@ -12,10 +12,11 @@ mod pictures;
 
 use crate::depth::DepthFormat;
 use crate::device::Device;
+use crate::light::Layout;
 use crate::scene::{Case, CompareRule, TexelFormat, matrix};
 use crate::shadow::ShadowMap;
 use crate::{Error, Result, input};
-use glam::{DMat4, Mat4};
+use glam::DMat4;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -87,10 +88,15 @@ impl CapturedArguments {
                 return Err(Error::bad_input(place, reason, "give a .png, .exr or .raw file"));
             }
         };
-        (case.map.size, case.map.texel) = (map.size(), map.format());
+        (case.map.size, case.map.texel) = (map.layout().side(), map.format());
         case.lookup.compare = self.compare.unwrap_or(case.lookup.compare);
         self.turn_light(case)?;
-        Ok(Some(Captured { map }))
+        let layout = case.layout();
+        if layout.only().map(|rect| rect.size) != map.layout().only().map(|rect| rect.size) {
+            let reason = format!("is one square; the light has {} maps", layout.rects().len());
+            return Err(Error::bad_input(place, reason, "give a case with one square map"));
+        }
+        Ok(Some(Captured { map: map.lying(layout) }))
     }
 
     fn turn_light(&self, case: &mut Case) -> Result<()> {
@@ -103,11 +109,6 @@ impl CapturedArguments {
         })?;
         let clip_from_world = DMat4::from_cols_array(&numbers).transpose();
         case.light = matrix::light(clip_from_world)?;
-        let uploaded: Mat4 = clip_from_world.as_mat4();
-        for object in &mut case.objects {
-            object.matrices = case.chain.matrices(&case.light, &case.camera, &object.model);
-            case.chain.set_light(&mut object.matrices, &uploaded, &object.model);
-        }
         Ok(())
     }
 
@@ -141,7 +142,8 @@ impl CapturedArguments {
         match format {
             TexelFormat::Packed(packing) => {
                 let texel = |t: &[u8]| [t[0], t[1], t[2], t[3]];
-                Ok(ShadowMap::from_bytes(side, packing, bytes.chunks_exact(4).map(texel).collect()))
+                let texels = bytes.chunks_exact(4).map(texel).collect();
+                Ok(ShadowMap::from_bytes(Layout::whole([side; 2]), packing, texels))
             }
             TexelFormat::Depth(format) => {
                 let codes = bytes.chunks_exact(step).map(code);
@@ -181,7 +183,7 @@ fn checked(place: &str, side: u32, format: DepthFormat, depths: Vec<f32>) -> Res
         let reason = format!("texel ({x}, {y}) from the bottom left is {}", depths[i]);
         return Err(Error::bad_input(place, reason, "dump finite depths"));
     }
-    Ok(ShadowMap::from_depths(side, format, depths))
+    Ok(ShadowMap::from_depths(Layout::whole([side; 2]), format, depths))
 }
 
 /// Rows from top first to bottom first.
@@ -215,11 +217,22 @@ pub fn write(map: &ShadowMap, device: &Device, path: &Path) -> Result<()> {
 }
 
 fn texels(map: &ShadowMap) -> std::ops::Range<usize> {
-    0..map.size() as usize * map.size() as usize
+    0..map.layout().texels()
+}
+
+/// Something of every texel of the picture with all textures, top row first; `empty` beside them.
+fn pictured<T: Clone>(map: &ShadowMap, empty: &T, of: impl Fn(usize) -> T) -> Vec<T> {
+    let [width, height] = map.layout().picture();
+    let places = (0..height).rev().flat_map(|y| (0..width).map(move |x| (x, y)));
+    let texel = |(x, y)| match map.layout().pictured(x, y) {
+        Some(texel) => of(texel as usize),
+        None => empty.clone(),
+    };
+    places.map(texel).collect()
 }
 
 fn code(map: &ShadowMap, device: &Device, format: DepthFormat, texel: usize) -> u32 {
-    format.encode(map.depth(device, texel))
+    format.encode(map.window_depth(device, texel))
 }
 
 fn raw_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
@@ -246,10 +259,9 @@ fn png_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
             code(map, device, format, i).to_be_bytes()[4 - step..].to_vec()
         }
     };
-    let rows: Vec<Vec<u8>> = texels(map).map(texel).collect();
-    let data = bottom_up_rows(&rows, map.size());
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, map.size(), map.size());
+    let data = pictured(map, &vec![0; step], texel).concat();
+    let ([width, height], mut bytes) = (map.layout().picture(), Vec::new());
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(colour);
     encoder.set_depth(depth);
     let mut writer = encoder.write_header().expect("a header in memory");
@@ -258,18 +270,14 @@ fn png_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
     bytes
 }
 
-fn bottom_up_rows(texels: &[Vec<u8>], side: u32) -> Vec<u8> {
-    texels.chunks_exact(side as usize).rev().flatten().flatten().copied().collect()
-}
-
 fn exr_bytes(map: &ShadowMap, device: &Device) -> Vec<u8> {
-    let depths: Vec<f32> = texels(map).map(|i| map.depth(device, i)).collect();
-    let side = map.size() as usize;
+    let depths = pictured(map, &map.layout().cleared(), |i| map.window_depth(device, i));
+    let [width, height] = map.layout().picture().map(|side| side as usize);
     crate::report::ExrImage {
         id: "map".to_string(),
-        width: side,
-        height: side,
-        channels: vec![("Z".to_string(), bottom_up(&depths, map.size()))],
+        width,
+        height,
+        channels: vec![("Z".to_string(), depths)],
         metadata: serde_json::json!({ "format": map.format().name() }),
     }
     .to_exr()

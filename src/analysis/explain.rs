@@ -93,7 +93,7 @@ fn write_taps(out: &mut String, observer: &Observer<'_>, o: &Observation) -> std
             float(breakpoint)
         )?;
         for &texel in o.taps.texels(i) {
-            let (x, y) = (texel % map.size(), texel / map.size());
+            let [x, y] = map.layout().on_picture(texel);
             let triangle = observer.subject.map_raster.triangle[texel as usize];
             let drawn = if triangle == NO_TRIANGLE {
                 "cleared".to_string()

@@ -156,7 +156,7 @@ fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> Opti
     let middle = field.samples.get(field.samples.len() / 2)?;
     let z = middle.exact.z as f32;
     let step = format.step(if reversed { 1.0 - z } else { z });
-    Some(step / field.site(middle, field.case().map.size).window_per_world)
+    Some(step / field.site(middle, &field.case().layout()).window_per_world)
 }
 
 /// All formats of a case at its own map size and filter.
@@ -288,7 +288,7 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
             layers(&field, id, &formats, step).for_each(|block| section.push(block));
         }
         let middle = field.samples.get(field.samples.len() / 2);
-        let texel = middle.map_or(f64::NAN, |s| field.site(s, case.map.size).texel_world);
+        let texel = middle.map_or(f64::NAN, |s| field.site(s, &case.layout()).texel_world);
         done();
         let none = field.samples.is_empty().then(|| unmeasured(case, step));
         (formats, section.folded(), texel, none)

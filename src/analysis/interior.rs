@@ -4,6 +4,7 @@
 use super::effort::Count;
 use super::foremost::{Foremost, Seen};
 use super::observe::{Observation, Observer, Standing};
+use crate::light::Lens;
 use crate::truth::{Faces, FirstHit};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -36,20 +37,23 @@ pub fn interior(observer: &Observer<'_>, observations: &[Observation]) -> Vec<bo
 #[must_use]
 pub fn counted(observer: &Observer<'_>, observations: &[Observation]) -> (Vec<bool>, Count) {
     let eligible = |o: &Observation| {
-        matches!(o.standing, Standing::Counted | Standing::FacingAway) && in_map(o)
+        matches!(o.standing, Standing::Counted | Standing::FacingAway)
+            && observer.lenses[o.map].holds(o.exact)
     };
-    let which: Vec<u32> = (0..observations.len() as u32)
-        .into_par_iter()
-        .filter(|&k| eligible(&observations[k as usize]))
-        .collect();
-    let point = |&k: &u32| observations[k as usize].exact.truncate();
-    let points: Vec<DVec2> = which.par_iter().map(point).collect();
-    let found = around(observer, &points);
     let mut interior = vec![false; observations.len()];
     let (mut answered, mut evaluated) = (0, 0);
-    for Around { one_object, asked, traced } in found {
-        one_object.iter().for_each(|&k| interior[which[k as usize] as usize] = true);
-        (answered, evaluated) = (answered + asked, evaluated + traced);
+    for (map, lens) in observer.lenses.iter().enumerate() {
+        let which: Vec<u32> = (0..observations.len() as u32)
+            .into_par_iter()
+            .filter(|&k| observations[k as usize].map == map)
+            .filter(|&k| eligible(&observations[k as usize]))
+            .collect();
+        let point = |&k: &u32| observations[k as usize].exact.truncate();
+        let points: Vec<DVec2> = which.par_iter().map(point).collect();
+        for Around { one_object, asked, traced } in around(observer, lens, &points) {
+            one_object.iter().for_each(|&k| interior[which[k as usize] as usize] = true);
+            (answered, evaluated) = (answered + asked, evaluated + traced);
+        }
     }
     let because = "f64 planes say with certainty what the light sees there first";
     (interior, Count { what: "map points around receivers", answered, evaluated, because })
@@ -67,16 +71,19 @@ struct Around {
 }
 
 /// Looks around all points.
-fn around(observer: &Observer<'_>, points: &[DVec2]) -> Vec<Around> {
+fn around(observer: &Observer<'_>, lens: &Lens, points: &[DVec2]) -> Vec<Around> {
     if !observer.effort.skip {
         let all: Vec<u32> = (0..points.len() as u32).collect();
         let open = |_: DVec2, _: usize| Seen::Open;
-        return all.par_chunks(1 << 12).map(|some| asked(observer, points, some, open)).collect();
+        return all
+            .par_chunks(1 << 12)
+            .map(|some| asked(observer, lens, points, some, open))
+            .collect();
     }
-    let foremost = Foremost::new(observer, Faces::Both);
+    let foremost = Foremost::new(observer, lens, Faces::Both);
     foremost.by_block(points, 1.01 * REACH, |block, states| {
         let mut looked = None;
-        asked(observer, points, block.index(), |offset, place| {
+        asked(observer, lens, points, block.index(), |offset, place| {
             if looked != Some(offset) {
                 foremost.look(block, offset, states);
                 looked = Some(offset);
@@ -89,11 +96,12 @@ fn around(observer: &Observer<'_>, points: &[DVec2]) -> Vec<Around> {
 /// Asks offset after offset what is `seen` beside the points named by `which`, as long as they agree.
 fn asked(
     observer: &Observer<'_>,
+    lens: &Lens,
     points: &[DVec2],
     which: &[u32],
     mut seen: impl FnMut(DVec2, usize) -> Seen,
 ) -> Around {
-    let texel = 1.0 / f64::from(observer.case().map.size);
+    let texel = 1.0 / lens.texels(DVec2::ONE);
     let mut objects: Vec<Option<u16>> = vec![None; which.len()];
     let mut around = Around::default();
     for (k, [dx, dy]) in POINTS.into_iter().enumerate() {
@@ -105,7 +113,7 @@ fn asked(
             let seen = seen(offset, place);
             around.asked += 1;
             around.traced += u64::from(seen == Seen::Open);
-            let here = object_of(observer, seen, points[which[place] as usize] + offset);
+            let here = object_of(observer, lens, seen, points[which[place] as usize] + offset);
             *object = if k == 0 || here == *object { here } else { None };
         }
     }
@@ -115,18 +123,14 @@ fn asked(
 }
 
 /// The object that the light sees first at a map point, by a ray where that is open.
-fn object_of(observer: &Observer<'_>, seen: Seen, uv: DVec2) -> Option<u16> {
+fn object_of(observer: &Observer<'_>, lens: &Lens, seen: Seen, uv: DVec2) -> Option<u16> {
     let triangle = match seen {
         Seen::Nothing => None,
         Seen::First(triangle) => Some(triangle),
-        Seen::Open => match observer.first_along(uv, Faces::Both) {
+        Seen::Open => match observer.first_along(lens, uv, Faces::Both) {
             FirstHit::Hit { triangle, .. } => Some(triangle),
             FirstHit::None | FirstHit::Ambiguous => None,
         },
     };
     triangle.map(|t| observer.geometry.object[t as usize])
-}
-
-fn in_map(o: &Observation) -> bool {
-    o.exact.min_element() >= 0.0 && o.exact.max_element() <= 1.0
 }

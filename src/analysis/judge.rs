@@ -6,6 +6,7 @@ use super::observation::Observation;
 use super::observe::Observer;
 use super::verdict::counted::Counted;
 use super::verdict::{self, Held, LookUp, SHARE, Verdict};
+use crate::light::{Lens, Lookup, Rect};
 use crate::raster::NO_TRIANGLE;
 use crate::raster::passes::Subject;
 use crate::scene::Filter;
@@ -25,11 +26,11 @@ impl Observer<'_> {
         let z = o.exact.z;
         let exact_lit =
             |stored: f64| stored == f64::INFINITY || rule.is_lit_exact(z, stored, f64::from(bias));
-        let bias_depth = self.occluder_depth(&o.receiver, &o.answer);
-        let [u, v, z32] = o.coord;
-        let drawn_texel = self.unquantized.nearest(device, case.lookup.wrap, u, v) as usize;
+        let bias_depth = self.occluder_depth(o.map, &o.receiver, &o.answer);
+        let (lookup, z32) = (Lookup { map: o.map, coord: o.coord, weight: 1.0 }, o.coord[2]);
+        let drawn_texel = self.unquantized.nearest(device, case.lookup.wrap, &lookup) as usize;
         let drawn = self.unquantized.depth(device, drawn_texel);
-        let stored_texel = self.subject.map.nearest(device, case.lookup.wrap, u, v) as usize;
+        let stored_texel = self.subject.map.nearest(device, case.lookup.wrap, &lookup) as usize;
         let stored = self.subject.map.depth(device, stored_texel);
         let filtered = o.taps.depths()[o.taps.centre()];
         o.stored =
@@ -44,9 +45,9 @@ impl Observer<'_> {
         ];
     }
 
-    /// Window depth of the first drawn occluder on the receiver's own ray; +∞ if there is none.
+    /// Depth in a map of the first drawn occluder on the receiver's own ray; +∞ if there is none.
     #[must_use]
-    pub fn occluder_depth(&self, receiver: &Receiver, answer: &Answer) -> f64 {
+    pub fn occluder_depth(&self, map: usize, receiver: &Receiver, answer: &Answer) -> f64 {
         let end = self.light_end(receiver.position);
         let point = match (self.drawn_faces, &answer.truth) {
             (Faces::Both, Truth::Shadowed(occlusion)) => {
@@ -64,44 +65,34 @@ impl Observer<'_> {
                 }
             }
         };
-        self.window_depth(point)
-    }
-
-    fn window_depth(&self, p_world: DVec3) -> f64 {
-        let window = self.case().light.window_from_world(&self.clip_from_world, p_world);
-        window.map_or(f64::INFINITY, |w| w.z)
+        depth_in(&self.lenses[map], point)
     }
 
     /// Exact depth at the centre of the texel under exact map coordinates; +∞ where it is empty.
-    pub(super) fn centre_depth(&self, exact: DVec3) -> f64 {
-        self.depth_at(self.texel_centre(exact))
-    }
-
-    /// Map coordinates of the centre of the texel under exact map coordinates.
-    pub(super) fn texel_centre(&self, exact: DVec3) -> DVec2 {
-        let size = f64::from(self.case().map.size);
-        ((exact.truncate() * size).floor() + 0.5) / size
+    pub(super) fn centre_depth(&self, map: usize, exact: DVec3) -> f64 {
+        let lens = &self.lenses[map];
+        self.depth_at(lens, texel_centre(lens, exact.truncate()))
     }
 
     /// Exact depth of the first drawn caster at map coordinates; +∞ where there is none.
-    pub(super) fn depth_at(&self, uv: DVec2) -> f64 {
-        self.first_drawn(uv).map_or(f64::INFINITY, |(_, p)| self.window_depth(p))
+    pub(super) fn depth_at(&self, lens: &Lens, uv: DVec2) -> f64 {
+        self.first_drawn(lens, uv).map_or(f64::INFINITY, |(_, p)| depth_in(lens, p))
     }
 
     /// The same where `triangle` is known to be the first.
-    pub(super) fn depth_of(&self, triangle: u32, uv: DVec2) -> f64 {
-        let [near, far] = self.light_ray(uv);
+    pub(super) fn depth_of(&self, lens: &Lens, triangle: u32, uv: DVec2) -> f64 {
+        let [near, far] = lens.ray(uv);
         match self.tracer.hit_of(triangle, near, far) {
-            Some(t) => self.window_depth(near + (far - near) * t),
-            None => self.depth_at(uv),
+            Some(t) => depth_in(lens, near + (far - near) * t),
+            None => self.depth_at(lens, uv),
         }
     }
 
     /// The first drawn caster along the light's ray through map coordinates, and the point hit.
     /// A ray that only grazes a silhouette sees nothing there.
     #[must_use]
-    pub fn first_drawn(&self, uv: DVec2) -> Option<(u32, DVec3)> {
-        let [near, far] = self.light_ray(uv);
+    pub fn first_drawn(&self, lens: &Lens, uv: DVec2) -> Option<(u32, DVec3)> {
+        let [near, far] = lens.ray(uv);
         match self.tracer.first_hit(near, far, self.drawn_faces, None) {
             FirstHit::Hit { triangle, t, .. } => Some((triangle, near + (far - near) * t)),
             FirstHit::None | FirstHit::Ambiguous => None,
@@ -110,25 +101,21 @@ impl Observer<'_> {
 
     /// The first triangle of which `faces` are seen along the light's ray through map coordinates.
     #[must_use]
-    pub fn first_along(&self, uv: DVec2, faces: Faces) -> FirstHit {
-        let [near, far] = self.light_ray(uv);
+    pub fn first_along(&self, lens: &Lens, uv: DVec2, faces: Faces) -> FirstHit {
+        let [near, far] = lens.ray(uv);
         self.tracer.first_hit(near, far, faces, None)
     }
 
-    /// Where the light's ray through map coordinates crosses the near and the far plane.
-    pub(super) fn light_ray(&self, uv: DVec2) -> [DVec3; 2] {
-        let ndc = uv * 2.0 - 1.0;
-        [-1.0, 1.0].map(|z| self.world_from_clip.project_point3(ndc.extend(z)))
-    }
-
-    /// Whose surface a texel holds, as seen by a receiver.
-    pub(super) fn stored_caster(&self, o: &Observation, texel: u32) -> StoredCaster {
+    /// Whose surface a texel read by a tap holds, as seen by a receiver.
+    pub(super) fn stored_caster(&self, o: &Observation, tap: usize, texel: u32) -> StoredCaster {
         let caster = self.subject.map_raster.triangle[texel as usize];
-        self.caster_of(o.receiver.triangle, &o.answer.truth, caster, texel, self.case().map.size)
+        let map = o.taps.map(tap);
+        let rect = self.subject.map_raster.layout.rect(map);
+        self.caster_of(o.receiver.triangle, &o.answer.truth, caster, texel, (map, rect))
     }
 
     /// Whose surface the triangle `caster` is to a receiver on triangle `own`, stored in `texel` of a
-    /// map of `size`² texels.
+    /// map drawn into a rectangle.
     #[must_use]
     pub fn caster_of(
         &self,
@@ -136,14 +123,16 @@ impl Observer<'_> {
         truth: &Truth,
         caster: u32,
         texel: u32,
-        size: u32,
+        (map, rect): (usize, &Rect),
     ) -> StoredCaster {
         if caster == NO_TRIANGLE {
             return StoredCaster::Cleared;
         }
-        let scale = f64::from(size) / f64::from(self.case().map.size);
-        let centre = DVec2::new(f64::from(texel % size) + 0.5, f64::from(texel / size) + 0.5);
-        let project = |t: u32| self.projected[t as usize].map(|p| p.map(|corner| corner * scale));
+        let side = |size: [u32; 2]| DVec2::from_array(size.map(f64::from));
+        let scale = side(rect.size) / side(self.lenses[map].size);
+        let centre = DVec2::from_array(rect.place(texel).map(|c| c as f64 + 0.5));
+        let project =
+            |t: u32| self.projected[map][t as usize].map(|p| p.map(|corner| corner * scale));
         if self.adjacency.is_own(own, caster, centre, project) {
             return StoredCaster::Own;
         }
@@ -167,16 +156,19 @@ impl Observer<'_> {
         let seen = Seen { observer: self, o, truly_lit };
         let found = verdict::verdict(&seen, truly_lit);
         // Where nothing is wrong, NEAREST's texel speaks for the look-up.
-        let texel = match found {
-            Some(Verdict { part: Some(part), .. }) => seen.texel(part),
-            Some(Verdict { part: None, .. }) | None => o.taps.texels(o.taps.centre())[0],
+        let (part, texel) = match found {
+            Some(Verdict { part: Some(part), .. }) => (part, seen.texel(part)),
+            Some(Verdict { part: None, .. }) | None => {
+                (o.taps.centre(), o.taps.texels(o.taps.centre())[0])
+            }
         };
-        let caster = self.stored_caster(o, texel);
-        let own = |t: &u32| match *t == texel {
+        let caster = self.stored_caster(o, part, texel);
+        let own = |tap: usize, t: u32| match (tap, t) == (part, texel) {
             true => caster == StoredCaster::Own,
-            false => self.stored_caster(o, *t) == StoredCaster::Own,
+            false => self.stored_caster(o, tap, t) == StoredCaster::Own,
         };
-        let own_surface = (0..o.taps.depths().len()).all(|i| o.taps.texels(i).iter().all(own));
+        let own_surface =
+            (0..o.taps.depths().len()).all(|i| o.taps.texels(i).iter().all(|&t| own(i, t)));
         (o.texel, o.caster, o.own_surface) = (texel, caster, own_surface);
         if let (Some(Verdict { kind, .. }), Some(cause)) = (found, ladder::cause(&o.wrong)) {
             o.outcome = Outcome::Wrong(Fault { kind, cause });
@@ -230,14 +222,14 @@ impl Seen<'_> {
 
 impl Held for Seen<'_> {
     fn caster(&self, tap: usize) -> StoredCaster {
-        self.observer.stored_caster(self.o, self.texel(tap))
+        self.observer.stored_caster(self.o, tap, self.texel(tap))
     }
 
     fn is_sound(&self, tap: usize) -> bool {
         let Subject { device, map, map_raster, .. } = &self.observer.subject;
         let texel = self.texel(tap) as usize;
         let drawn = map_raster.triangle[texel] != NO_TRIANGLE;
-        verdict::is_sound(drawn.then(|| map_raster.depth[texel]), map.depth(device, texel))
+        verdict::is_sound(drawn.then(|| map_raster.depth[texel]), map.window_depth(device, texel))
     }
 
     fn share(&self, tap: usize) -> i64 {
@@ -249,7 +241,10 @@ impl Held for Seen<'_> {
 impl LookUp for Seen<'_> {
     fn parts(&self) -> usize {
         let tested = self.observer.case().lookup.range_test;
-        if tested && !in_square(self.o.coord) { 0 } else { self.o.taps.depths().len() }
+        match &*self.o.lookups {
+            [only] if tested && !in_square(only.coord) => 0,
+            _ => self.o.taps.depths().len(),
+        }
     }
 
     fn centre(&self) -> usize {
@@ -258,11 +253,21 @@ impl LookUp for Seen<'_> {
 
     fn visibility(&self, tap: usize) -> f64 {
         let (case, o) = (self.observer.case(), self.o);
-        let lit = case.lookup.compare.is_lit(o.coord[2], o.taps.depths()[tap], case.bias);
+        let lit = o.taps.is_lit(case.lookup.compare, tap, case.bias);
         if lit { 1.0 } else { 0.0 }
     }
 
     fn is_hidden(&self, _: usize) -> bool {
         self.o.wrong[Rung::Bias as usize]
     }
+}
+
+/// Exact depth of a point in a map; +∞ behind its eye.
+fn depth_in(lens: &Lens, p_world: DVec3) -> f64 {
+    lens.look(p_world).map_or(f64::INFINITY, |look| look.z)
+}
+
+/// Map coordinates of the centre of the texel under exact map coordinates.
+fn texel_centre(lens: &Lens, uv: DVec2) -> DVec2 {
+    (lens.texels(uv).floor() + 0.5) / lens.texels(DVec2::ONE)
 }

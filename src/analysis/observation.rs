@@ -2,6 +2,7 @@
 
 use super::classify::{Outcome, StoredCaster};
 use super::ladder::Wrong;
+use crate::light::Lookup;
 use crate::shadow::{Few, Taps};
 use crate::truth::{Answer, Receiver, Truth};
 use glam::DVec3;
@@ -31,7 +32,11 @@ pub struct Observation {
     pub receiver: Receiver,
     /// Object that it belongs to.
     pub object: u16,
-    /// Map coordinates and depth as the subject computes them.
+    /// What it looks up: one map, or two that are mixed.
+    pub lookups: Few<Lookup>,
+    /// The map with the largest share, in which the rungs before *filter* are climbed.
+    pub map: usize,
+    /// Coordinates and depth in that map as the subject computes them.
     pub coord: [f32; 3],
     /// The same, f64.
     pub exact: DVec3,

@@ -6,18 +6,19 @@ use super::effort::Effort;
 pub use super::observation::{Observation, Standing};
 use crate::depth::DepthFormat;
 use crate::device::Device;
+use crate::light::{Lens, Lookup};
 use crate::raster::Interpolator;
 use crate::raster::NO_TRIANGLE;
 use crate::raster::passes::{Subject, draw_map, map_depth_buffer};
 use crate::scene::{Case, Cull, Geometry, LookupSpec};
-use crate::shadow::{self, ShadowMap, Taps};
+use crate::shadow::{self, Few, ShadowMap, Taps};
 use crate::truth::{Answer, Faces, LightEnd, Receiver, Tracer, Truth};
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Share of a look-up's visibility that `lit` taps have: 1 where the range test lights all of them.
-fn lit_share(taps: &Taps, lit: usize, is_lit: impl Fn(f32) -> bool) -> f64 {
-    if lit == taps.depths().len() { 1.0 } else { taps.visibility(|i| is_lit(taps.depths()[i])) }
+/// Share of a receiver's visibility that `lit` taps have: 1 where the range test lights all of them.
+fn lit_share(taps: &Taps, lit: usize, is_lit: impl Fn(usize) -> bool) -> f64 {
+    if lit == taps.depths().len() { 1.0 } else { taps.visibility(is_lit) }
 }
 
 /// A drawn case with everything needed to judge any of its receivers.
@@ -29,13 +30,11 @@ pub struct Observer<'a> {
     pub geometry: Geometry,
     /// Truth.
     pub tracer: Tracer,
-    /// The map's clip matrix in f64.
-    pub clip_from_world: DMat4,
-    /// Its inverse.
-    pub world_from_clip: DMat4,
+    /// The exact matrices of each map.
+    pub lenses: Vec<Lens>,
     pub(super) adjacency: Adjacency,
-    /// Window-space corners of every triangle in map texels (`None` behind the eye).
-    pub(super) projected: Vec<Option<[DVec2; 3]>>,
+    /// Of each map, corners of every triangle in its texels (`None` behind the eye).
+    pub(super) projected: Vec<Vec<Option<[DVec2; 3]>>>,
     /// The rasteriser's own depths under a float depth attachment.
     pub(super) unquantized: ShadowMap,
     /// Its triangles.
@@ -57,17 +56,28 @@ fn float_map(subject: &Subject<'_>, effort: Effort) -> (ShadowMap, Vec<u32>) {
     let own = device.depth_format(map_depth_buffer(case)) == device.depth_format(DepthFormat::F32);
     let drawn = (!(own && effort.skip)).then(|| draw_map(case, device, vertices, DepthFormat::F32));
     let raster = drawn.as_ref().unwrap_or(map_raster);
-    let map = ShadowMap::unquantized(case.map.size, raster.drawn(), f32::INFINITY);
+    let map = ShadowMap::unquantized(&raster.layout, raster.drawn());
     let triangles = drawn.map_or_else(|| map_raster.triangle.clone(), |raster| raster.triangle);
     (map, triangles)
 }
 
-/// A pixel's receiver and its map coordinates in the subject.
-#[derive(Clone, Copy, Debug)]
+/// A pixel's receiver, its coordinates in each map in the subject, and what it looks up.
+#[derive(Clone, Debug)]
 pub(super) struct Looking {
     pub(super) pixel: [u32; 2],
     pub(super) receiver: Receiver,
-    pub(super) coord: [f32; 3],
+    pub(super) coords: Few<[f32; 3]>,
+    pub(super) lookups: Few<Lookup>,
+}
+
+impl Looking {
+    /// The look-up with the largest share; the first of equals.
+    pub(super) fn main(&self) -> &Lookup {
+        let heavier = |a, b: &'_ Lookup| if b.weight > a { b.weight } else { a };
+        let most = self.lookups.iter().fold(0.0, heavier);
+        let found = self.lookups.iter().find(|l| l.weight >= most);
+        found.expect("every choice takes a map")
+    }
 }
 
 /// A triangle of the camera pass, set up for all its pixels.
@@ -86,15 +96,25 @@ impl Spot {
         }
     }
 
-    /// The receiver at a pixel centre, and its map coordinates in the subject.
-    pub(super) fn receiver(&self, observer: &Observer<'_>, x: u32, y: u32) -> (Receiver, [f32; 3]) {
+    /// The receiver at a pixel centre, and what it looks up in the subject.
+    pub(super) fn looking(&self, observer: &Observer<'_>, x: u32, y: u32) -> Looking {
         let weights = self.interpolator.barycentrics(x, y);
         let [a, b, c] = self.corners;
         let position = a * weights.x + b * weights.y + c * weights.z;
-        let varying = self.interpolator.vector(x as f32, y as f32);
-        let coord = observer.case().lookup.coord.apply(varying);
-        (Receiver { position, triangle: self.triangle }, coord)
+        let coords = observer.subject.coordinates(&self.interpolator, x, y);
+        observer.looking([x, y], Receiver { position, triangle: self.triangle }, coords)
     }
+}
+
+/// The corners of all triangles in a map's texels.
+fn projected(lens: &Lens, geometry: &Geometry) -> Vec<Option<[DVec2; 3]>> {
+    let texels = |p: DVec3| Some(lens.texels(lens.look(p)?.truncate()));
+    let corners = |t: u32| {
+        let [a, b, c] = geometry.corners(t).map(texels);
+        Some([a?, b?, c?])
+    };
+    let ids = (0..geometry.triangles.len() as u32).into_par_iter().with_min_len(1024);
+    ids.map(corners).collect()
 }
 
 impl<'a> Observer<'a> {
@@ -116,29 +136,19 @@ impl<'a> Observer<'a> {
                 (geometry, tracer, adjacency)
             },
         );
-        let clip_from_world = case.light.clip_from_world();
-        let size = case.map.size;
+        let lenses = subject.lenses();
         let (unquantized, float_triangles) = float_map(&subject, effort);
-        let texels = |p: DVec3| {
-            let window = case.light.window_from_world(&clip_from_world, p)?;
-            Some(window.truncate() * f64::from(size))
-        };
-        let corners = |t: u32| {
-            let [a, b, c] = geometry.corners(t).map(texels);
-            Some([a?, b?, c?])
-        };
-        let ids = (0..geometry.triangles.len() as u32).into_par_iter().with_min_len(1024);
-        let sun = case.light.is_directional().then(|| case.light.view.backward());
+        let projected = lenses.iter().map(|lens| projected(lens, &geometry)).collect();
+        let sun = case.light.is_directional().then(|| case.light.eye().backward());
         Self {
-            projected: ids.map(corners).collect(),
+            projected,
             light: match sun {
                 Some(sun) => LightEnd::Along(sun * tracer.reach()),
-                None => LightEnd::Point(case.light.view.position),
+                None => LightEnd::Point(case.light.eye().position),
             },
             sun,
             tracer,
             adjacency,
-            world_from_clip: clip_from_world.inverse(),
             drawn_faces: match case.map.cull {
                 Cull::None => Faces::Both,
                 Cull::Back => Faces::Front,
@@ -146,7 +156,7 @@ impl<'a> Observer<'a> {
             },
             subject,
             geometry,
-            clip_from_world,
+            lenses,
             unquantized,
             float_triangles,
             effort,
@@ -174,16 +184,28 @@ impl<'a> Observer<'a> {
     /// Judges one pixel; `None` where it is background.
     #[must_use]
     pub fn observe_pixel(&self, x: u32, y: u32) -> Option<Observation> {
-        let (receiver, coord) = self.receiver(x, y)?;
-        Some(self.observe([x, y], receiver, coord))
+        let triangle = self.triangle_under(x, y)?;
+        Some(self.observed(Spot::new(self, triangle).looking(self, x, y)))
     }
 
-    /// The receiver under a pixel centre and the map coordinates that the subject computes there;
+    /// The receiver under a pixel centre and the coordinates that the subject computes there in each map;
     /// `None` where it is background.
     #[must_use]
-    pub fn receiver(&self, x: u32, y: u32) -> Option<(Receiver, [f32; 3])> {
+    pub fn receiver(&self, x: u32, y: u32) -> Option<(Receiver, Few<[f32; 3]>)> {
         let triangle = self.triangle_under(x, y)?;
-        Some(Spot::new(self, triangle).receiver(self, x, y))
+        let looking = Spot::new(self, triangle).looking(self, x, y);
+        Some((looking.receiver, looking.coords))
+    }
+
+    /// A receiver with what its choice takes.
+    pub(super) fn looking(
+        &self,
+        pixel: [u32; 2],
+        receiver: Receiver,
+        coords: Few<[f32; 3]>,
+    ) -> Looking {
+        let lookups = self.subject.lookups(receiver.position, &coords);
+        Looking { pixel, receiver, coords, lookups }
     }
 
     /// The triangle under a pixel centre.
@@ -193,13 +215,31 @@ impl<'a> Observer<'a> {
         (triangle != NO_TRIANGLE).then_some(triangle)
     }
 
-    /// Exact window coordinates of a receiver, its truth, and whether it counts.
+    /// A receiver that looks up its exact coordinates, rounded once; those behind a map's eye count as
+    /// outside of it. `None` where it is behind all of them.
+    pub(super) fn exactly(&self, pixel: [u32; 2], receiver: &Receiver) -> Option<Looking> {
+        let exact = self.lenses.iter().map(|lens| lens.look(receiver.position));
+        let exact: Few<Option<DVec3>> = exact.collect();
+        exact.iter().any(Option::is_some).then(|| {
+            let outside = DVec3::splat(f64::NEG_INFINITY);
+            let coord = |e: &Option<DVec3>| e.unwrap_or(outside).as_vec3().to_array();
+            self.looking(pixel, *receiver, exact.iter().map(coord).collect())
+        })
+    }
+
+    /// The map with the largest share of what a receiver looks up; `None` behind all of them.
+    pub(super) fn main_map(&self, receiver: &Receiver) -> Option<usize> {
+        Some(self.exactly([0; 2], receiver)?.main().map)
+    }
+
+    /// Exact coordinates of a receiver in a map, its truth, and whether it counts.
     #[must_use]
-    pub fn witness(&self, receiver: &Receiver) -> (Option<DVec3>, Answer, Standing) {
-        let window = self.case().light.window_from_world(&self.clip_from_world, receiver.position);
+    pub fn witness(&self, receiver: &Receiver, map: usize) -> (Option<DVec3>, Answer, Standing) {
+        let exact = self.lenses[map].look(receiver.position);
         let answer = self.tracer.truth(receiver, self.light_end(receiver.position));
-        let standing = self.standing(receiver, window, &answer);
-        (window, answer, standing)
+        let standing =
+            self.standing(receiver, exact.filter(|&e| self.lenses[map].holds(e)), &answer);
+        (exact, answer, standing)
     }
 
     /// Whether a receiver is certainly shadowed. `guess` is a triangle that may well block it, and
@@ -219,13 +259,22 @@ impl<'a> Observer<'a> {
         id != receiver.triangle && self.tracer.hit_of(id, receiver.position, light_end).is_some()
     }
 
-    /// Judges a receiver whose subject coordinates are given.
+    /// Judges a receiver whose subject coordinates in each map are given.
     #[must_use]
-    pub fn observe(&self, pixel: [u32; 2], receiver: Receiver, coord: [f32; 3]) -> Observation {
-        let (window, answer, standing) = self.witness(&receiver);
-        let looking = Looking { pixel, receiver, coord };
-        let window = window.unwrap_or(DVec3::splat(f64::NAN));
-        self.judge(looking, window, answer, standing, || self.centre_depth(window))
+    pub fn observe(
+        &self,
+        pixel: [u32; 2],
+        receiver: Receiver,
+        coords: Few<[f32; 3]>,
+    ) -> Observation {
+        self.observed(self.looking(pixel, receiver, coords))
+    }
+
+    fn observed(&self, looking: Looking) -> Observation {
+        let map = looking.main().map;
+        let (exact, answer, standing) = self.witness(&looking.receiver, map);
+        let exact = exact.unwrap_or(DVec3::splat(f64::NAN));
+        self.judge(looking, exact, answer, standing, || self.centre_depth(map, exact))
     }
 
     /// Judges a receiver of known truth. `centre_depth` is asked where the receiver counts.
@@ -237,24 +286,27 @@ impl<'a> Observer<'a> {
         standing: Standing,
         centre_depth: impl FnOnce() -> f64,
     ) -> Observation {
-        let Looking { pixel, receiver, coord } = looking;
+        let Lookup { map, coord, .. } = *looking.main();
+        let Looking { pixel, receiver, lookups, .. } = looking;
         let case = self.case();
-        let taps = self.taps(&case.lookup, coord);
-        let lit_taps = shadow::visibility(&case.lookup, coord, &taps, case.bias);
+        let taps = self.taps(&case.lookup, &lookups);
+        let lit_taps = shadow::visibility(&case.lookup, &lookups, &taps, case.bias);
         let rule = case.lookup.compare;
-        let breakpoint = |&d: &f32| shadow::breakpoint(rule, coord[2], d);
+        let breakpoint = |(i, &d): (usize, &f32)| shadow::breakpoint(rule, taps.z(i), d);
         let mut observation = Observation {
             pixel,
             receiver,
             object: self.geometry.object[receiver.triangle as usize],
+            map,
             coord,
             exact,
             standing,
             answer,
-            breakpoints: taps.depths().iter().map(breakpoint).collect(),
-            lit_share: lit_share(&taps, lit_taps, |d| rule.is_lit(coord[2], d, case.bias)),
+            breakpoints: taps.depths().iter().enumerate().map(breakpoint).collect(),
+            lit_share: lit_share(&taps, lit_taps, |i| taps.is_lit(rule, i, case.bias)),
             texel: taps.texels(taps.centre())[0],
             taps,
+            lookups,
             lit_taps,
             stored: [f64::INFINITY; 5],
             wrong: [false; 5],
@@ -281,11 +333,10 @@ impl<'a> Observer<'a> {
         self.light
     }
 
-    /// What a look-up reads at subject coordinates.
+    /// What look-ups read.
     #[must_use]
-    pub fn taps(&self, lookup: &LookupSpec, coord: [f32; 3]) -> Taps {
-        let [u, v, _] = coord;
-        self.subject.map.taps(&self.subject.device, lookup.filter, lookup.wrap, u, v)
+    pub fn taps(&self, spec: &LookupSpec, lookups: &[Lookup]) -> Taps {
+        self.subject.map.taps(&self.subject.device, spec, lookups)
     }
 
     /// The normal of the side of a receiver that the camera sees, not normalised: what shading and *seen*
@@ -310,17 +361,17 @@ impl<'a> Observer<'a> {
         if cosine.is_finite() { cosine } else { 0.0 }
     }
 
+    /// Whether a receiver counts; `inside` are its exact coordinates if they lie in its map's volume.
     pub(super) fn standing(
         &self,
         receiver: &Receiver,
-        window: Option<DVec3>,
+        inside: Option<DVec3>,
         answer: &Answer,
     ) -> Standing {
         let case = self.case();
-        let inside = |w: DVec3| w.min_element() >= 0.0 && w.max_element() <= 1.0;
         if self.seen_normal(receiver).dot(self.to_light(receiver)) <= 0.0 {
             Standing::FacingAway
-        } else if !window.is_some_and(inside) {
+        } else if inside.is_none() {
             Standing::OutsideMap
         } else if !case.light.in_cone(receiver.position) {
             Standing::OutsideCone

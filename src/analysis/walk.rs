@@ -49,8 +49,8 @@ impl<'o, 'a> Walk<'o, 'a> {
         if !size.is_finite() || size < 1e-9 {
             return None;
         }
-        let distance = case.light.axial_distance(receiver.position);
-        let texel = case.light.texel_world(case.map.size, distance);
+        let map = observer.main_map(receiver)?;
+        let [texel, _] = observer.lenses[map].scales(receiver.position);
         Some(Self {
             observer,
             triangle: receiver.triangle,
@@ -75,13 +75,13 @@ impl<'o, 'a> Walk<'o, 'a> {
         let position = self.origin + self.direction * s;
         let triangle = self.triangle_at(position)?;
         let receiver = Receiver { position, triangle };
-        let window = case.light.window_from_world(&observer.clip_from_world, position)?;
-        if window.min_element() < 0.0 || window.max_element() > 1.0 {
+        let looking = observer.exactly([0; 2], &receiver)?;
+        let main = looking.main().map;
+        if !observer.lenses[main].holds(observer.lenses[main].look(position)?) {
             return None;
         }
-        let coord = window.as_vec3().to_array();
-        let taps = observer.taps(&case.lookup, coord);
-        let lit = shadow::visibility(&case.lookup, coord, &taps, self.bias);
+        let taps = observer.taps(&case.lookup, &looking.lookups);
+        let lit = shadow::visibility(&case.lookup, &looking.lookups, &taps, self.bias);
         let truth = observer.tracer.truth(&receiver, observer.light_end(position)).truth;
         let subject_lit = 2 * lit > taps.depths().len();
         (truth != Truth::Ambiguous).then_some(State { subject_lit, truly_lit: truth == Truth::Lit })

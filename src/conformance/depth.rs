@@ -127,6 +127,7 @@ fn planes(folder: &Path, device: &Device, root: &json::Field<'_>) -> Result<Vec<
             cull: Cull::None,
             depth_buffer: DepthFormat::F32,
             offset: PolygonOffset::default(),
+            clip: Default::default(),
         };
         let raster = draw(device, &pass, &clip, &[[0, 1, 2], [2, 1, 3]]);
         let drawn = |j: usize| raster.triangle[j] != NO_TRIANGLE;

@@ -7,8 +7,8 @@ use crate::depth::{DepthFormat, Packing};
 use crate::device::DeviceProfile;
 use crate::light::Light;
 use crate::scene::{
-    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, Matrices,
-    MatrixChain, Mesh, Object, Shading, TexelFormat, Wrap,
+    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, MatrixChain,
+    Mesh, Object, Shading, TexelFormat, Wrap,
 };
 use crate::view::{Projection, View};
 use glam::{DVec3, Vec3};
@@ -70,12 +70,13 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneDump> {
     let biases = root.get("biases")?.floats()?;
     let bias = biases.first().copied().ok_or_else(|| root.bad("no bias", "list one in biases"))?;
     let light = light(&root.get("light")?)?;
+    let camera = camera(&root.get("camera")?, canvas)?;
     let case = Case {
         name: root.get("id")?.text()?.to_string(),
         document: root.get("document")?.text()?.to_string(),
-        objects: objects(&root, chain)?,
+        objects: objects(&root, chain, &light, &camera)?,
         light,
-        camera: camera(&root.get("camera")?, canvas)?,
+        camera,
         canvas,
         chain,
         map,
@@ -215,7 +216,7 @@ fn projection(field: &Field<'_>, aspect: f64) -> Result<Projection> {
 }
 
 fn light(field: &Field<'_>) -> Result<Light> {
-    Ok(Light { view: view(field)?, projection: projection(field, 1.0)?, cone_cos: None })
+    Ok(Light::new(view(field)?, projection(field, 1.0)?, None))
 }
 
 fn camera(field: &Field<'_>, canvas: [u32; 2]) -> Result<Camera> {
@@ -223,23 +224,28 @@ fn camera(field: &Field<'_>, canvas: [u32; 2]) -> Result<Camera> {
     Ok(Camera { view: view(field)?, projection: projection(field, aspect)? })
 }
 
-fn objects(root: &Field<'_>, chain: MatrixChain) -> Result<Vec<Object>> {
+fn objects(
+    root: &Field<'_>,
+    chain: MatrixChain,
+    light: &Light,
+    camera: &Camera,
+) -> Result<Vec<Object>> {
     let globals = root.get("matrices")?;
     let object = |field: &Field<'_>| -> Result<Object> {
-        let mut matrices = Matrices::new();
-        for &name in chain.names() {
+        let matrices = chain.read(|name| {
             let found = field.optional(name).or_else(|| globals.optional(name));
             let found = found.ok_or_else(|| {
                 field.bad(format!("matrix {name} is missing"), "rules.matrixChain needs it")
             })?;
-            matrices.insert(name.to_string(), found.matrix()?);
-        }
-        Ok(Object {
-            name: field.get("name")?.text()?.to_string(),
-            mesh: mesh(field)?,
-            model: field.get("model")?.matrix()?,
-            matrices,
-        })
+            found.matrix()
+        })?;
+        let (name, model) = (field.get("name")?.text()?, field.get("model")?.matrix()?);
+        let object = Object::new(name, mesh(field)?, model);
+        // A scene of the dumps has one map: its matrices are those of every map of the light.
+        Ok(light
+            .maps()
+            .iter()
+            .fold(object, |o, map| o.with_uploaded(matrices.clone(), map, camera)))
     };
     root.get("objects")?.items()?.iter().map(object).collect()
 }

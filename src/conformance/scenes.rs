@@ -5,10 +5,11 @@ use super::scene_json::{FileEntry, SceneDump};
 use super::{dump, scene_json};
 use crate::depth::DepthFormat;
 use crate::device::Device;
+use crate::light::Lookup;
 use crate::raster::passes::{Subject, Transformed};
 use crate::raster::{NO_TRIANGLE, Raster};
-use crate::scene::{Case, Filter, LookupSpec, MatrixChain};
-use crate::shadow::{self, ShadowMap};
+use crate::scene::{Case, Filter, Geometry, LookupSpec, MatrixChain};
+use crate::shadow::{self, Few, ShadowMap};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::path::Path;
@@ -54,7 +55,7 @@ struct Scene<'a> {
     case: &'a Case,
     device: Device,
     subject: Subject<'a>,
-    triangle_object: Vec<u16>,
+    geometry: Geometry,
     /// The camera pass over a 16-bit depth buffer, from which coordinates were dumped.
     coarse_canvas: Raster,
 }
@@ -63,8 +64,8 @@ impl<'a> Scene<'a> {
     fn draw(dump: &'a SceneDump, device: &Device) -> Self {
         let subject = Subject::draw(&dump.case, device);
         let coarse_canvas = subject.canvas_with(DepthFormat::Unorm16);
-        let triangle_object = dump.case.geometry().object;
-        Self { case: &dump.case, device: *device, subject, triangle_object, coarse_canvas }
+        let geometry = dump.case.geometry();
+        Self { case: &dump.case, device: *device, subject, geometry, coarse_canvas }
     }
 
     fn compare_file(&self, section: &str, folder: &Path, file: &FileEntry) -> Result<Entry> {
@@ -77,7 +78,8 @@ impl<'a> Scene<'a> {
         };
         let Some(expected) = read else { return Ok(Tally::missing(section, &file.name)) };
         let mut tally = Tally::new(section, &file.name);
-        let size = if file.name == "map.bin" { [self.case.map.size; 2] } else { self.case.canvas };
+        let map = self.subject.map_raster.layout.picture();
+        let size = if file.name == "map.bin" { map } else { self.case.canvas };
         let [x0, y0, w, h] = file.crop;
         if x0 + w > size[0] || y0 + h > size[1] {
             let reason =
@@ -117,7 +119,7 @@ impl<'a> Scene<'a> {
             }),
             "obj.bin" => Box::new(move |i| {
                 let id = self.subject.canvas.triangle[i];
-                let object = self.triangle_object.get(id as usize).map_or(0, |&o| o + 1);
+                let object = self.geometry.object.get(id as usize).map_or(0, |&o| o + 1);
                 one(f32::from(object))
             }),
             "coord.bin" => Box::new(move |i| {
@@ -125,8 +127,12 @@ impl<'a> Scene<'a> {
                 if id == NO_TRIANGLE {
                     return [BACKGROUND; 4];
                 }
-                let [u, v, z] = self.subject.coordinate(id, i as u32 % width, i as u32 / width);
-                [u, v, z, 0.0]
+                let place = [i as u32 % width, i as u32 / width];
+                let lookups = lookups(&self.subject, &self.geometry, id, place);
+                lookups.iter().next().map_or([BACKGROUND; 4], |l| {
+                    let [u, v, z] = l.coord;
+                    [u, v, z, 0.0]
+                })
             }),
             "mapdepth_linear.bin" => {
                 // The dump comes from the coordinate pass' depth buffer too.
@@ -150,9 +156,10 @@ impl<'a> Scene<'a> {
         let id = self.subject.canvas.triangle[pixel];
         let width = self.case.canvas[0];
         (id != NO_TRIANGLE).then(|| {
-            let [u, v, _] = self.subject.coordinate(id, pixel as u32 % width, pixel as u32 / width);
-            let map = &self.subject.map;
-            map.taps(&self.device, Filter::Linear, self.case.lookup.wrap, u, v).depths()[0]
+            let place = [pixel as u32 % width, pixel as u32 / width];
+            let spec = LookupSpec { filter: Filter::Linear, ..self.case.lookup };
+            let lookups = lookups(&self.subject, &self.geometry, id, place);
+            self.subject.map.taps(&self.device, &spec, &lookups).depths()[0]
         })
     }
 
@@ -167,15 +174,17 @@ impl<'a> Scene<'a> {
         let printed = as_printed.then(|| {
             let mut subject = self.subject.clone();
             let chain = MatrixChain::BiasMatrixAsPrinted;
-            subject.vertices.light_coord =
-                Transformed::new(self.case, chain, &self.device).light_coord;
+            let printed = Transformed::new(self.case, chain, &self.device).maps;
+            for (map, printed) in subject.vertices.maps.iter_mut().zip(printed) {
+                map.coord = printed.coord;
+            }
             subject
         });
         visibility_picture(
             printed.as_ref().unwrap_or(&self.subject),
             &self.subject.map,
-            &lookup,
-            bias,
+            &self.geometry,
+            (&lookup, bias),
         )
     }
 
@@ -195,18 +204,31 @@ impl<'a> Scene<'a> {
 fn visibility_picture(
     subject: &Subject<'_>,
     map: &ShadowMap,
-    lookup: &LookupSpec,
-    bias: f32,
+    geometry: &Geometry,
+    (lookup, bias): (&LookupSpec, f32),
 ) -> Vec<u8> {
     let width = subject.canvas.size[0];
     let pixel = |(i, &id): (usize, &u32)| {
         if id == NO_TRIANGLE {
             return 0;
         }
-        let coord = subject.coordinate(id, i as u32 % width, i as u32 / width);
-        let taps = map.taps(&subject.device, lookup.filter, lookup.wrap, coord[0], coord[1]);
-        let lit = shadow::visibility(lookup, coord, &taps, bias) as u8;
+        let lookups = lookups(subject, geometry, id, [i as u32 % width, i as u32 / width]);
+        let taps = map.taps(&subject.device, lookup, &lookups);
+        let lit = shadow::visibility(lookup, &lookups, &taps, bias) as u8;
         if taps.depths().len() == 1 { lit * 255 } else { lit }
     };
     subject.canvas.triangle.iter().enumerate().map(pixel).collect()
+}
+
+/// What the fragment of a triangle at a pixel looks up.
+fn lookups(
+    subject: &Subject<'_>,
+    geometry: &Geometry,
+    triangle: u32,
+    [x, y]: [u32; 2],
+) -> Few<Lookup> {
+    let interpolator = subject.interpolator(triangle);
+    let (weights, [a, b, c]) = (interpolator.barycentrics(x, y), geometry.corners(triangle));
+    let position = a * weights.x + b * weights.y + c * weights.z;
+    subject.lookups(position, &subject.coordinates(&interpolator, x, y))
 }

@@ -1,93 +1,186 @@
-//! Lights: where they stand, how their map projects, and where a receiver's ray goes.
+//! Lights: where their rays come from, which maps they have, and which of these a receiver looks up.
 
-use crate::view::{self, Projection, View};
-use glam::{DMat4, DVec3, DVec4};
+mod choice;
+mod layout;
+mod map;
 
-/// A light with one shadow map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+use crate::view::{self, ClipSpace, Projection, View};
+use crate::{Error, Result};
+pub use choice::{Choice, Chosen, Lookup, Place};
+use glam::DVec3;
+pub use layout::{Layout, Rect};
+pub use map::{Lens, Map, Viewport};
+
+crate::catalogue! {
+    /// Where the rays of a light come from.
+    pub enum Rays {
+        /// One direction: a sun.
+        Parallel = "parallel",
+        /// One point: a spot, where it has a cone, or a point light.
+        FromPoint = "from a point",
+    }
+}
+
+/// A light with its maps and the choice among them.
+///
+/// Fields are private, so that a light moves with all its maps and no choice names a map that it has not.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// Position and direction of the map's eye.
-    pub view: View,
-    /// The map's projection: perspective for a spot, orthographic for a directional light.
-    pub projection: Projection,
-    /// Cosine of the angle from the axis beyond which a spot gives no light, if it has a cone.
-    pub cone_cos: Option<f64>,
+    eye: View,
+    rays: Rays,
+    cone_cos: Option<f64>,
+    maps: Vec<Map>,
+    choice: Choice,
 }
 
 impl Light {
-    /// Whether all rays share a direction.
+    /// A light with one map that looks from where it stands, in OpenGL's clip space: its rays are parallel
+    /// where the projection is orthographic. `cone_cos` is the cosine of the angle from the axis beyond
+    /// which a spot gives no light.
     #[must_use]
-    pub const fn is_directional(&self) -> bool {
-        matches!(self.projection, Projection::Orthographic { .. })
+    pub fn new(eye: View, projection: Projection, cone_cos: Option<f64>) -> Self {
+        let rays = match projection {
+            Projection::Orthographic { .. } => Rays::Parallel,
+            Projection::Perspective { .. } => Rays::FromPoint,
+        };
+        let maps = vec![Map::new(eye, projection)];
+        Self { eye, rays, cone_cos, maps, choice: Choice::Only }
     }
 
-    /// Exact-input clip matrix: f64 products of f64 matrices.
+    /// The same light with other maps and a choice among them.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] where there is no map, a map does not look from the point that the rays come
+    /// from, or the choice does not fit the list.
+    pub fn with_maps(self, maps: Vec<Map>, choice: Choice) -> Result<Self> {
+        if maps.is_empty() {
+            return Err(Error::bad_input("light.maps", "is empty", "give at least one map"));
+        }
+        for (i, map) in maps.iter().enumerate() {
+            map.checked(&format!("light.maps[{i}]"))?;
+            if self.rays == Rays::FromPoint && map.view.position != self.eye.position {
+                return Err(Error::bad_input(
+                    format!("light.maps[{i}].view.position"),
+                    "is not where the light stands",
+                    "let all maps of a spot or point light look from its position",
+                ));
+            }
+        }
+        if maps.iter().any(|map| map.clip.reversed) && !maps.iter().all(|map| map.clip.reversed) {
+            return Err(Error::bad_input(
+                "light.maps",
+                "are reversed in part, but one comparison serves all of them",
+                "reverse the depth of all maps or of none",
+            ));
+        }
+        choice.checked(maps.len())?;
+        Ok(Self { maps, choice, ..self })
+    }
+
+    /// The same light in other clip spaces, one rule for all its maps.
     #[must_use]
-    pub fn clip_from_world(&self) -> DMat4 {
-        view::product(&self.projection.clip_from_view(), &self.view.view_from_world())
+    pub fn in_clip_space(mut self, clip: ClipSpace) -> Self {
+        self.maps.iter_mut().for_each(|map| map.clip = clip);
+        self
+    }
+
+    /// The light and all its maps with other eyes and projections: what moves a light or makes it larger.
+    #[must_use]
+    pub fn remade(
+        &self,
+        view: impl Fn(View) -> View,
+        projection: impl Fn(Projection) -> Projection,
+    ) -> Self {
+        let mut light = Self { eye: view(self.eye), ..self.clone() };
+        for map in &mut light.maps {
+            (map.view, map.projection) = (view(map.view), projection(map.projection));
+        }
+        light
+    }
+
+    /// The light moved by an offset, world units.
+    #[must_use]
+    pub fn moved(&self, by: DVec3) -> Self {
+        let view = |v: View| View { position: v.position + by, target: v.target + by, ..v };
+        self.remade(view, |projection| projection)
+    }
+
+    /// Where the light stands and looks.
+    #[must_use]
+    pub const fn eye(&self) -> &View {
+        &self.eye
+    }
+
+    /// Where its rays come from.
+    #[must_use]
+    pub const fn rays(&self) -> Rays {
+        self.rays
+    }
+
+    /// Its maps; at least one.
+    #[must_use]
+    pub fn maps(&self) -> &[Map] {
+        &self.maps
+    }
+
+    /// Its map, where it has one alone.
+    #[must_use]
+    pub fn only_map(&self) -> Option<&Map> {
+        match self.maps.as_slice() {
+            [map] => Some(map),
+            _ => None,
+        }
+    }
+
+    /// Which of them a receiver looks up.
+    #[must_use]
+    pub const fn choice(&self) -> &Choice {
+        &self.choice
+    }
+
+    /// The look-ups of a place: one, or two whose visibilities are mixed by weight.
+    #[must_use]
+    pub fn lookups<L: FromIterator<Lookup>>(&self, place: &Place<'_>) -> L {
+        let chosen = self.choice.among(&self.maps, place).into_iter().flatten();
+        chosen
+            .map(|Chosen { map, weight }| Lookup { map, coord: place.coords[map], weight })
+            .collect()
+    }
+
+    /// Where the texels of its maps lie, if the longest side of a whole texture has `side` texels.
+    #[must_use]
+    pub fn layout(&self, side: u32) -> Layout {
+        Layout::new(&self.maps, side)
+    }
+
+    /// Cosine of the angle from the axis beyond which a spot gives no light, if it has a cone.
+    #[must_use]
+    pub const fn cone_cos(&self) -> Option<f64> {
+        self.cone_cos
+    }
+
+    /// Whether all rays share a direction.
+    #[must_use]
+    pub fn is_directional(&self) -> bool {
+        self.rays == Rays::Parallel
     }
 
     /// Unit vector from a world point towards the light.
     #[must_use]
     pub fn direction_from(&self, p_world: DVec3) -> DVec3 {
-        if self.is_directional() {
-            return self.view.backward();
+        match self.rays {
+            Rays::Parallel => self.eye.backward(),
+            Rays::FromPoint => {
+                let to_light = self.eye.position - p_world;
+                to_light / view::length(to_light)
+            }
         }
-        let to_light = self.view.position - p_world;
-        to_light / view::length(to_light)
-    }
-
-    /// The other end of a receiver's shadow ray: the light's position, or for a directional light
-    /// the point where the ray leaves the map's near plane towards the light, a far plane's
-    /// distance further on, so that every caster of the scene within that reach counts.
-    #[must_use]
-    pub fn ray_end(&self, p_world: DVec3) -> DVec3 {
-        if !self.is_directional() {
-            return self.view.position;
-        }
-        let (_, far) = self.projection.near_far();
-        let along = self.view.backward();
-        let depth = (self.view.position - p_world).dot(along);
-        p_world + along * (depth.abs() + far.abs())
-    }
-
-    /// Depth along the light's axis (distance from the eye's plane), world units.
-    #[must_use]
-    pub fn axial_distance(&self, p_world: DVec3) -> f64 {
-        (self.view.position - p_world).dot(self.view.backward())
-    }
-
-    /// Map coordinates and depth of a world point, all in [0,1] inside the map, and clip w.
-    /// f64; `None` behind the eye (w ≤ 0).
-    #[must_use]
-    pub fn window_from_world(&self, clip_from_world: &DMat4, p_world: DVec3) -> Option<DVec3> {
-        let clip: DVec4 = *clip_from_world * p_world.extend(1.0);
-        (clip.w > 0.0).then(|| clip.truncate() / clip.w * 0.5 + 0.5)
     }
 
     /// Whether a world point lies in the spot's cone (always true without one).
     #[must_use]
     pub fn in_cone(&self, p_world: DVec3) -> bool {
         self.cone_cos
-            .is_none_or(|limit| self.direction_from(p_world).dot(self.view.backward()) >= limit)
-    }
-
-    /// Edge length of one texel in world units at axial distance `distance`, for a square map of
-    /// `size` texels.
-    #[must_use]
-    pub fn texel_world(&self, size: u32, distance: f64) -> f64 {
-        let scale = if self.is_directional() { 1.0 } else { distance };
-        2.0 * self.projection.half_width() * scale / f64::from(size)
-    }
-
-    /// World distance along the axis between two window depths.
-    #[must_use]
-    pub fn world_from_window(&self, depth: f64) -> f64 {
-        let (near, far) = self.projection.near_far();
-        if self.is_directional() {
-            near + depth * (far - near)
-        } else {
-            near * far / (far - depth * (far - near))
-        }
+            .is_none_or(|limit| self.direction_from(p_world).dot(self.eye.backward()) >= limit)
     }
 }

@@ -1,8 +1,12 @@
 //! Where a camera or a light stands and how it projects: the matrices, in f64.
 //!
-//! Right-handed, y up, the view looks down −z; clip space is OpenGL's (−w ≤ z ≤ w).
+//! Right-handed, y up, the view looks down −z; clip space is OpenGL's (−w ≤ z ≤ w) unless a
+//! [`ClipSpace`] says otherwise.
+
+mod clip_space;
 
 use crate::{Error, Result};
+pub use clip_space::{ClipRange, ClipSpace};
 use glam::{DMat4, DVec3, DVec4, Mat4};
 
 /// An eye: position, the point it looks at, and which way is up. World units.
@@ -27,7 +31,7 @@ pub enum Projection {
         aspect: f64,
         /// Distance of the near plane, > 0.
         near: f64,
-        /// Distance of the far plane, > near.
+        /// Distance of the far plane, > near; infinite where there is none.
         far: f64,
     },
     /// Orthographic, centred on the line of sight.
@@ -127,7 +131,8 @@ impl Projection {
             Err(Error::bad_input(format!("{place}.{field}"), reason, fix))
         };
         let (near, far) = self.near_far();
-        if !near.is_finite() || !far.is_finite() {
+        let endless = far == f64::INFINITY && matches!(self, Self::Perspective { .. });
+        if !near.is_finite() || !(far.is_finite() || endless) {
             return bad("near/far", format!("{near}, {far} are not both finite"), "give numbers");
         }
         if near >= far {
@@ -168,21 +173,29 @@ impl Projection {
     /// has the same bits.
     #[must_use]
     pub fn clip_from_view(&self) -> DMat4 {
+        self.clip_from_view_in(ClipSpace::OPENGL)
+    }
+
+    /// The projection matrix into a clip space, f64. A y axis that looks down turns the second row.
+    #[must_use]
+    pub fn clip_from_view_in(&self, clip: ClipSpace) -> DMat4 {
+        let [slope, constant] = clip.depth_row(self);
+        let up = if clip.y_down { -1.0 } else { 1.0 };
         match *self {
-            Self::Perspective { fovy_degrees, aspect, near, far } => {
+            Self::Perspective { fovy_degrees, aspect, .. } => {
                 let cot = 1.0 / libm::tan(fovy_degrees * std::f64::consts::PI / 180.0 / 2.0);
                 DMat4::from_cols(
                     DVec4::new(cot / aspect, 0.0, 0.0, 0.0),
-                    DVec4::new(0.0, cot, 0.0, 0.0),
-                    DVec4::new(0.0, 0.0, (far + near) / (near - far), -1.0),
-                    DVec4::new(0.0, 0.0, 2.0 * far * near / (near - far), 0.0),
+                    DVec4::new(0.0, up * cot, 0.0, 0.0),
+                    DVec4::new(0.0, 0.0, slope, -1.0),
+                    DVec4::new(0.0, 0.0, constant, 0.0),
                 )
             }
-            Self::Orthographic { width, height, near, far } => DMat4::from_cols(
+            Self::Orthographic { width, height, .. } => DMat4::from_cols(
                 DVec4::new(2.0 / width, 0.0, 0.0, 0.0),
-                DVec4::new(0.0, 2.0 / height, 0.0, 0.0),
-                DVec4::new(0.0, 0.0, 2.0 / (near - far), 0.0),
-                DVec4::new(0.0, 0.0, (far + near) / (near - far), 1.0),
+                DVec4::new(0.0, up * (2.0 / height), 0.0, 0.0),
+                DVec4::new(0.0, 0.0, slope, 0.0),
+                DVec4::new(0.0, 0.0, constant, 1.0),
             ),
         }
     }

@@ -88,12 +88,7 @@ fn fitted(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case> {
     }
     let (filter, compare, wrap, cull, device) = settings.choices()?;
     let chain = MatrixChain::World;
-    let object = |(name, mesh, model): (String, _, _)| Object {
-        name: shown(&name),
-        mesh,
-        model,
-        matrices: chain.matrices(&light, &camera, &model),
-    };
+    let object = |(name, mesh, model): (String, _, _)| Object::new(shown(&name), mesh, model);
     let texel = settings.texel()?;
     Ok(Case {
         name: shown(name),
@@ -211,11 +206,7 @@ fn directional(
     ));
     let projection = Projection::Orthographic { width, height: width, near, far };
     let view = View { position, target: position + direction * bounds.radius, up };
-    Ok(Light {
-        view: view.checked("light")?,
-        projection: projection.checked("light")?,
-        cone_cos: None,
-    })
+    Ok(Light::new(view.checked("light")?, projection.checked("light")?, None))
 }
 
 /// The tightest frustum around all vertices in front of a spot.
@@ -255,11 +246,8 @@ fn spot(
     ));
     let projection = Projection::Perspective { fovy_degrees, aspect: 1.0, near, far };
     let cone = libm::cos(fovy_degrees / 2.0 * std::f64::consts::PI / 180.0);
-    Ok(Light {
-        view: View { position, target, up }.checked("light")?,
-        projection: projection.checked("light")?,
-        cone_cos: Some(cone),
-    })
+    let view = View { position, target, up }.checked("light")?;
+    Ok(Light::new(view, projection.checked("light")?, Some(cone)))
 }
 
 fn camera(

@@ -5,7 +5,7 @@ use super::{Effort, Fate, Forecast, Row, Stress};
 use crate::camera::Camera;
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
-use crate::light::Light;
+use crate::light::{Layout, Lens, Lookup, Map};
 use crate::raster::Setup;
 use crate::report::Scale;
 use crate::scene::{
@@ -37,7 +37,8 @@ fn uniform_map(depth: f32) -> ShadowMap {
     };
     let texels = (SIZE * SIZE) as usize;
     let (depth, triangle) = (vec![depth; texels], vec![0; texels]);
-    ShadowMap::store(&device(), &spec, Drawn { depth: &depth, triangle: &triangle })
+    let layout = Layout::whole([SIZE; 2]);
+    ShadowMap::store(&device(), &spec, &layout, Drawn { depth: &depth, triangle: &triangle })
 }
 
 fn lookup(range_test: bool, wrap: Wrap) -> LookupSpec {
@@ -52,13 +53,14 @@ fn lookup(range_test: bool, wrap: Wrap) -> LookupSpec {
 
 /// Whether the documents' look-up at `coord` says lit.
 fn lit(map: &ShadowMap, spec: &LookupSpec, coord: [f32; 3]) -> bool {
-    let taps = map.taps(&device(), spec.filter, spec.wrap, coord[0], coord[1]);
-    visibility(spec, coord, &taps, 0.005) > 0
+    let lookups = [Lookup::only(coord)];
+    let taps = map.taps(&device(), spec, &lookups);
+    visibility(spec, &lookups, &taps, 0.005) > 0
 }
 
 /// A spot at the origin that looks down −z over an empty scene, and its look-up matrix in f32.
 struct Spot {
-    light: Light,
+    lens: Lens,
     coord_from_world: Mat4,
 }
 
@@ -67,11 +69,11 @@ impl Spot {
         let view = View { position: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y };
         let projection =
             Projection::Perspective { fovy_degrees: FIELD, aspect: 1.0, near: 1.0, far: 100.0 };
-        let light = Light { view, projection, cone_cos: None };
+        let map = Map::new(view, projection);
         let chain = MatrixChain::BiasMatrix;
-        let matrices = chain.matrices(&light, &Camera { view, projection }, &Mat4::IDENTITY);
-        let stages = chain.stages(&device(), &matrices, &Mat4::IDENTITY);
-        Self { light, coord_from_world: stages.light_coord[0] }
+        let matrices = chain.matrices(&map, &Camera { view, projection }, &Mat4::IDENTITY);
+        let stages = matrices.stages(&device(), &Mat4::IDENTITY);
+        Self { lens: Lens::new(&map, [SIZE; 2]), coord_from_world: stages.light_coord[0] }
     }
 
     /// A point 10 from the light, `degrees` off its axis.
@@ -83,14 +85,14 @@ impl Spot {
     /// The documents' verdict: no look at the sign of w.
     fn lit_unguarded(&self, map: &ShadowMap, degrees: f64) -> bool {
         let p = Self::around(degrees).as_vec3().extend(1.0);
-        let coord = CoordForm::Divide.apply(device().mat_vec(&self.coord_from_world, p));
+        let coord = CoordForm::Divide
+            .apply(device().mat_vec(&self.coord_from_world, p), Default::default());
         lit(map, &lookup(true, Wrap::Clamp), coord)
     }
 
     /// The same where w ≤ 0 means outside the map.
     fn lit_guarded(&self, map: &ShadowMap, degrees: f64) -> bool {
-        let window =
-            self.light.window_from_world(&self.light.clip_from_world(), Self::around(degrees));
+        let window = self.lens.look(Self::around(degrees));
         window.is_none_or(|w| lit(map, &lookup(true, Wrap::Clamp), w.as_vec3().to_array()))
     }
 }

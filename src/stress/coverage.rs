@@ -170,6 +170,7 @@ fn coplanar(random: &mut Random) -> usize {
         cull: Cull::None,
         depth_buffer: DepthFormat::F32,
         offset: PolygonOffset::default(),
+        clip: Default::default(),
     };
     let depths = |order: [[u32; 3]; 2]| draw(&IDEAL.device(), &pass, &corners, &order).depth;
     let (one, other) = (depths([[0, 1, 2], [3, 4, 5]]), depths([[3, 4, 5], [0, 1, 2]]));

@@ -63,6 +63,7 @@ fn drawn(device: &Device, set: &Set) -> Raster {
         cull: Cull::None,
         depth_buffer: DepthFormat::F32,
         offset: PolygonOffset { factor: 1.0, units: 1.0, clamp: 0.0 },
+        clip: Default::default(),
     };
     let triangles: Vec<[u32; 3]> =
         (0..set.corners.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();

@@ -31,6 +31,7 @@ fn ramp(first: f64, last: f64) -> Raster {
         cull: Cull::None,
         depth_buffer: DepthFormat::F32,
         offset: PolygonOffset::default(),
+        clip: Default::default(),
     };
     draw(&DeviceProfile::Ideal.device(), &pass, &corners, &[[0, 1, 2], [0, 2, 3]])
 }

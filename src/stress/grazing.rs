@@ -95,7 +95,7 @@ fn smallest_offset(degrees: f64, cos: f64, sin: f64) -> f64 {
             texel_world: TEXEL,
             window_per_world: 1.0 / sheet.range,
             gradient: DVec2::ZERO,
-            map_size: SIZE,
+            map_size: [SIZE; 2],
         };
         let weight = NormalWeight::One;
         NormalMove { amount, weight, ..NormalMove::default() }.offset(&site)
@@ -161,7 +161,13 @@ fn wall_survives(width: f64, offset: PolygonOffset) -> bool {
         |[x, y, z]: [f64; 3]| device().mat_vec(&matrix, DVec3::new(x, y, z).as_vec3().extend(1.0));
     let top = foot + reach;
     let corners = [[foot, -2.0, -4.0], [top, -2.0, -8.0], [top, 2.0, -8.0], [foot, 2.0, -4.0]];
-    let pass = Pass { size: [64; 2], cull: Cull::None, depth_buffer: DepthFormat::F32, offset };
+    let pass = Pass {
+        size: [64; 2],
+        cull: Cull::None,
+        depth_buffer: DepthFormat::F32,
+        offset,
+        clip: Default::default(),
+    };
     let raster = draw(&device(), &pass, &corners.map(corner), &[[0, 1, 2], [0, 2, 3]]);
     assert!(raster.depth.iter().all(|z| !z.is_nan()), "a slope of 0·∞ never reaches the map");
     raster.triangle.iter().any(|&t| t != NO_TRIANGLE)

@@ -5,7 +5,7 @@ use super::{Effort, Fate, Forecast, Stress};
 use crate::camera::Camera;
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
-use crate::light::Light;
+use crate::light::Map;
 use crate::num::exp2;
 use crate::raster::passes::{Transformed, draw_map, map_depth_buffer};
 use crate::report::Scale;
@@ -77,10 +77,11 @@ impl FarLight {
         };
         let projection =
             Projection::Orthographic { width: RANGE, height: RANGE, near: 0.0, far: RANGE };
-        let light = Light { view, projection, cone_cos: None };
-        let camera = Camera { view, projection };
-        let matrices = MatrixChain::Combined.matrices(&light, &camera, &Mat4::IDENTITY);
-        Self { device: DeviceProfile::Ideal.device(), eye, clip_from_world: matrices["lightMVP"] }
+        let (map, camera) = (Map::new(view, projection), Camera { view, projection });
+        let matrices = MatrixChain::Combined.matrices(&map, &camera, &Mat4::IDENTITY);
+        let device = DeviceProfile::Ideal.device();
+        let stages = matrices.stages(&device, &Mat4::IDENTITY);
+        Self { device, eye, clip_from_world: stages.light_clip[0] }
     }
 
     /// |subject − exact| window depth at an f32 position z.
@@ -153,14 +154,12 @@ const GRADIENT: [f64; 2] = [0.5, 0.25];
 fn moved(d: f64) -> Case {
     let mut case = analytic::tilted_plane(GRADIENT[0] as f32, GRADIENT[1] as f32);
     let shift = DVec3::splat(d);
-    for view in [&mut case.light.view, &mut case.camera.view] {
-        view.position += shift;
-        view.target += shift;
-    }
+    case.light = case.light.moved(shift);
+    case.camera.view.position += shift;
+    case.camera.view.target += shift;
     for object in &mut case.objects {
         let out = |p: &Vec3| (p.as_dvec3() + shift).as_vec3();
         object.mesh.positions = object.mesh.positions.iter().map(out).collect();
-        object.matrices = case.chain.matrices(&case.light, &case.camera, &object.model);
     }
     case
 }
@@ -171,7 +170,7 @@ fn critical(d: f64) -> f64 {
     let device = case.device.device();
     let vertices = Transformed::new(&case, case.chain, &device);
     let raster = draw_map(&case, &device, &vertices, map_depth_buffer(&case));
-    let map = ShadowMap::store(&device, &case.map, raster.drawn());
+    let map = ShadowMap::store(&device, &case.map, &raster.layout, raster.drawn());
     let size = case.map.size as usize;
     // Texels whose corners lie on the plane where nothing has moved.
     let inside = |t: &usize| [t % size, t / size].iter().all(|c| (4..60).contains(c));

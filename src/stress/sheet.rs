@@ -62,6 +62,7 @@ impl Sheet {
             cull: Cull::None,
             depth_buffer: DepthFormat::F32,
             offset: PolygonOffset::default(),
+            clip: Default::default(),
         };
         draw(device, &pass, &clip, &[[0, 1, 2], [0, 2, 3]])
     }

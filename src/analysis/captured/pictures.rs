@@ -3,6 +3,7 @@
 use super::{bottom_up, checked, from_codes, side};
 use crate::depth::DepthFormat;
 use crate::device::Device;
+use crate::light::Layout;
 use crate::scene::TexelFormat;
 use crate::shadow::ShadowMap;
 use crate::{Error, Result, memory};
@@ -96,7 +97,7 @@ pub(super) fn from_png(
     let missing = || Error::bad_input(place, "does not say how it holds depth", "give --packing");
     match format.ok_or_else(missing)? {
         TexelFormat::Packed(packing) if !sixteen => {
-            Ok(ShadowMap::from_bytes(side, packing, picture.bytes()))
+            Ok(ShadowMap::from_bytes(Layout::whole([side; 2]), packing, picture.bytes()))
         }
         TexelFormat::Depth(DepthFormat::Unorm8) if !sixteen => {
             from_codes(place, side, DepthFormat::Unorm8, picture.red().into_iter(), device)

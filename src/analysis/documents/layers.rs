@@ -93,7 +93,7 @@ fn metadata(observer: &Observer<'_>, step: u32) -> serde_json::Value {
         "bias": case.bias,
         "device": case.device.name(),
         "every_nth_pixel": step,
-        "light_position": case.light.view.position.to_array(),
+        "light_position": case.light.eye().position.to_array(),
         "light_directional": case.light.is_directional(),
         "class.Y": classes,
         "cause.Y": causes,

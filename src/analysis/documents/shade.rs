@@ -139,25 +139,25 @@ fn highlight(observer: &Observer<'_>, o: &Observation) -> f64 {
 pub(super) fn map(id: &str, observer: &Observer<'_>) -> Picture {
     let map = &observer.subject.map;
     let raster = &observer.subject.map_raster;
-    let stride = map.size().div_ceil(MAP_SIDE);
-    let side = map.size().div_ceil(stride);
-    let texel = |x: u32, y: u32| (y * stride * map.size() + x * stride) as usize;
+    let [width, height] = map.layout().picture();
+    let stride = width.max(height).div_ceil(MAP_SIDE);
+    let [columns, lines] = [width, height].map(|side| side.div_ceil(stride));
+    let texel = |x: u32, y: u32| map.layout().pictured(x * stride, y * stride).map(|t| t as usize);
     let drawn = |i: usize| raster.triangle[i] != NO_TRIANGLE;
     let depth = |i: usize| map.depth(&observer.subject.device, i);
     let (mut near, mut far) = (f32::INFINITY, f32::NEG_INFINITY);
-    for i in (0..side).flat_map(|y| (0..side).map(move |x| texel(x, y))).filter(|&i| drawn(i)) {
+    let places = (0..lines).flat_map(|y| (0..columns).map(move |x| (x, y)));
+    for i in places.filter_map(|(x, y)| texel(x, y)).filter(|&i| drawn(i)) {
         near = near.min(depth(i));
         far = far.max(depth(i));
     }
-    let grey = |i: usize| {
-        if !drawn(i) {
-            return Colour::Ink.rgb();
-        }
+    let grey = |i: Option<usize>| {
+        let Some(i) = i.filter(|&i| drawn(i)) else { return Colour::Ink.rgb() };
         let t = (depth(i) - near) / (far - near).max(f32::MIN_POSITIVE);
         [(80.0 + 165.0 * t).round_ties_even() as u8; 3]
     };
-    let rows = (0..side).rev();
-    let rgb = rows.flat_map(|y| (0..side).flat_map(move |x| grey(texel(x, y)))).collect();
+    let rows = (0..lines).rev();
+    let rgb = rows.flat_map(|y| (0..columns).flat_map(move |x| grey(texel(x, y)))).collect();
     Picture {
         id: format!("{id}-map"),
         caption: match near <= far {
@@ -174,8 +174,8 @@ pub(super) fn map(id: &str, observer: &Observer<'_>) -> Picture {
             false => "Shadow map: no texel that is shown was drawn".to_string(),
         },
         alt: format!("{}: the shadow map", observer.case().name),
-        width: side,
-        height: side,
+        width: columns,
+        height: lines,
         rgb,
         legend: vec![(Colour::Ink, "cleared".to_string())],
         magnify: 1,

@@ -13,8 +13,8 @@ const POINTS: usize = 2048;
 /// Points and triangles by block.
 #[derive(Debug)]
 pub(super) struct Blocks {
-    /// Texels a side of the map.
-    size: f64,
+    /// Width and height of the map in texels.
+    size: DVec2,
     /// First point of each block; one more at the end.
     start: Vec<u32>,
     order: Vec<u32>,
@@ -55,7 +55,7 @@ impl Grid {
 
 impl Blocks {
     /// Sorts `points` (map coordinates) and the triangles within `reach` texels of them.
-    pub(super) fn new(points: &[DVec2], size: f64, flats: &[Flat], reach: f64) -> Self {
+    pub(super) fn new(points: &[DVec2], size: DVec2, flats: &[Flat], reach: f64) -> Self {
         let texels: Vec<DVec2> = points.par_iter().map(|p| *p * size).collect();
         let grid = Grid::new(&texels);
         let block = |p: &DVec2| {

@@ -23,7 +23,7 @@ pub(super) struct Flat {
 }
 
 impl Flat {
-    pub(super) fn new(id: u32, clip: [DVec4; 3], size: f64, faces: Faces) -> Option<Self> {
+    pub(super) fn new(id: u32, clip: [DVec4; 3], size: DVec2, faces: Faces) -> Option<Self> {
         let window = clip.map(|v| v.truncate() / v.w * 0.5 + 0.5);
         let [a, b, c] = window.map(|w| w.truncate() * size);
         let depths = window.map(|w| w.z);

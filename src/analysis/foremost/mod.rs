@@ -20,8 +20,10 @@ mod flat;
 mod points;
 
 use super::observe::Observer;
+use crate::light::Lens;
 use crate::simd::Level;
 use crate::truth::Faces;
+use crate::view::ClipSpace;
 use blocks::Blocks;
 use flat::Flat;
 use glam::{DMat4, DVec2, DVec3, DVec4};
@@ -55,27 +57,34 @@ pub enum Seen {
     Open,
 }
 
-/// All triangles of a case as its map sees them.
+/// All triangles of a case as one of its maps sees them.
 #[derive(Debug)]
 pub struct Foremost {
     flats: Vec<Flat>,
     /// Whether projection and its inverse agree well enough for anything to be certain.
     sound: bool,
-    size: f64,
+    size: DVec2,
 }
 
 impl Foremost {
-    /// Sets up the triangles of which `faces` are seen.
+    /// Sets up the triangles of which `faces` are seen from a map. Which is first does not depend on how
+    /// the map writes depth: OpenGL's clip space tells.
     #[must_use]
-    pub fn new(observer: &Observer<'_>, faces: Faces) -> Self {
-        let size = f64::from(observer.case().map.size);
-        let geometry = &observer.geometry;
+    pub fn new(observer: &Observer<'_>, lens: &Lens, faces: Faces) -> Self {
+        let clip = ClipSpace { y_down: lens.map.clip.y_down, ..ClipSpace::OPENGL };
+        let lens = &lens.in_clip_space(clip);
+        let faces = match (faces, clip.y_down) {
+            (Faces::Front, true) => Faces::Back,
+            (Faces::Back, true) => Faces::Front,
+            (faces, _) => faces,
+        };
+        let (size, geometry) = (lens.texels(DVec2::ONE), &observer.geometry);
         let ids = 0..geometry.triangles.len() as u32;
         let flats = ids.into_par_iter().with_min_len(1024).flat_map_iter(|id| {
-            let clip = geometry.corners(id).map(|p| observer.clip_from_world * p.extend(1.0));
+            let clip = geometry.corners(id).map(|p| lens.clip_from_world * p.extend(1.0));
             parts(clip).filter_map(move |part| Flat::new(id, part, size, faces))
         });
-        Self { flats: flats.collect(), sound: is_sound(observer), size }
+        Self { flats: flats.collect(), sound: is_sound(lens), size }
     }
 
     /// What the light sees at each of `points` (map coordinates).
@@ -142,10 +151,9 @@ fn parts(clip: [DVec4; 3]) -> impl Iterator<Item = [DVec4; 3]> {
 }
 
 /// Whether rays and projected corners agree: on a lattice of map points, at both ends of the ray.
-fn is_sound(observer: &Observer<'_>) -> bool {
-    let size = f64::from(observer.case().map.size);
-    let (near, far) = observer.case().light.projection.near_far();
-    let gentle = observer.case().light.is_directional() || far <= STEEPEST * near;
+fn is_sound(lens: &Lens) -> bool {
+    let (near, far) = lens.map.projection.near_far();
+    let gentle = lens.map.is_orthographic() || far <= STEEPEST * near;
     let at = |m: &DMat4, p: DVec3| {
         let clip = *m * p.extend(1.0);
         DVec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5
@@ -154,8 +162,8 @@ fn is_sound(observer: &Observer<'_>) -> bool {
         (0..=4).flat_map(|i| (0..=4).map(move |j| DVec2::new(f64::from(i), f64::from(j))));
     let mut off = lattice.flat_map(|p| {
         let uv = p / 4.0;
-        let ends = observer.light_ray(uv);
-        ends.map(|end| (at(&observer.clip_from_world, end) - uv).abs().max_element() * size)
+        let off = |end: DVec3| lens.texels((at(&lens.clip_from_world, end) - uv).abs());
+        lens.ray(uv).map(|end| off(end).max_element())
     });
     gentle && off.all(|texels| texels < SIDEWAYS / 100.0)
 }

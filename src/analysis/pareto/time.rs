@@ -4,8 +4,8 @@
 use super::algorithms::Way;
 use super::cost::Cost;
 use crate::depth::{DepthFormat, Packing};
-use crate::raster::Raster;
-use crate::raster::passes::{Transformed, draw_map, map_depth_buffer};
+use crate::light::Lookup;
+use crate::raster::passes::{MapRaster, Transformed, draw_map, map_depth_buffer};
 use crate::scene::{Case, Filter, TexelFormat};
 use crate::shadow::bias::Strategy;
 use crate::shadow::{ShadowMap, visibility};
@@ -34,14 +34,14 @@ fn seconds<T>(mut run: impl FnMut() -> T) -> f64 {
 }
 
 /// Drawing and storing a map, per texel; one thread.
-fn map_texel(case: &Case, vertices: &Transformed, format: TexelFormat) -> (f64, f64, Raster) {
+fn map_texel(case: &Case, vertices: &Transformed, format: TexelFormat) -> (f64, f64, MapRaster) {
     let device = case.device.device();
     let mut own = case.clone();
     own.map = case.map.with(case.map.size, format);
     let draw = || draw_map(&own, &device, vertices, map_depth_buffer(&own));
     let drawn = draw();
-    let store = || ShadowMap::store(&device, &own.map, drawn.drawn());
-    let texels = f64::from(own.map.size) * f64::from(own.map.size);
+    let store = || ShadowMap::store(&device, &own.map, &drawn.layout, drawn.drawn());
+    let texels = drawn.layout.texels() as f64;
     let (draw_ns, store_ns) = (seconds(draw) * 1e9 / texels, seconds(store) * 1e9 / texels);
     (draw_ns, store_ns, drawn)
 }
@@ -51,15 +51,16 @@ fn lookup(case: &Case, map: &ShadowMap, filter: Filter) -> f64 {
     let device = case.device.device();
     let mut spec = case.lookup;
     spec.filter = filter;
+    let maps = map.layout().rects().len();
     // A multiplicative sequence: places without any order, the same in every run.
     let place = |i: u32| f32::from(i.wrapping_mul(40_503) as u16) / 65_536.0;
     let coord = |i: u32| [place(i), place(i.wrapping_add(7919)), 0.5];
     let (mut done, started) = (0u32, Instant::now());
     while started.elapsed().as_secs_f64() < SECONDS {
         for i in done..done + 1024 {
-            let [u, v, z] = coord(i);
-            let taps = map.taps(&device, filter, spec.wrap, u, v);
-            black_box(visibility(&spec, [u, v, z], &taps, case.bias));
+            let lookups = [Lookup { map: i as usize % maps, coord: coord(i), weight: 1.0 }];
+            let taps = map.taps(&device, &spec, &lookups);
+            black_box(visibility(&spec, &lookups, &taps, case.bias));
         }
         done += 1024;
     }
@@ -77,7 +78,7 @@ pub fn times(case: &Case, filters: &[Filter], ways: &[Way]) -> Value {
         maps.push(json!({ "format": format.name(), "size": case.map.size,
             "draw_ns_per_texel": draw_ns, "store_ns_per_texel": store_ns }));
         let spec = case.map.with(case.map.size, format);
-        let map = ShadowMap::store(&device, &spec, drawn.drawn());
+        let map = ShadowMap::store(&device, &spec, &drawn.layout, drawn.drawn());
         for &filter in filters {
             let cost = Cost::of(format, case.map.size, filter, Strategy::Constant);
             lookups.push(json!({ "format": format.name(), "filter": filter.name(),

@@ -74,7 +74,10 @@ impl Block {
             if *follow == Follow::Receiver {
                 self.z.resize(end, z);
             } else {
-                let (footprint, sample) = (footprints.only([u, v]), &chart.field.samples[i]);
+                let (footprint, sample) = (
+                    footprints.only(chart.layout.rect(chart.field.samples[i].map), [u, v]),
+                    &chart.field.samples[i],
+                );
                 let tap = |tap: usize| compared(*follow, sample, z, &footprint, tap);
                 self.z.extend((0..end - start).map(tap));
             }

@@ -6,7 +6,9 @@ use super::reads::{Reads, wanted_texels};
 use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
-use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, Slots, draw};
+use crate::light::Layout;
+use crate::raster::passes::{MapPass, MapRaster};
+use crate::raster::{Fragments, PolygonOffset, Slots};
 use crate::scene::{Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Site, Weights};
 use crate::shadow::{self, Footprints, Sampling};
@@ -43,13 +45,15 @@ const CASTERS: [StoredCaster; 4] =
 pub struct Chart<'f, 'a> {
     /// The receivers.
     pub field: &'f Field<'a>,
-    /// Texels per side.
+    /// Texels along the longest side of a whole texture.
     pub size: u32,
+    /// Where the maps' texels lie.
+    pub layout: Layout,
     /// Texels read.
     pub filter: Filter,
     pub(in crate::analysis) attachment: Attachment,
     pub(super) sampling: Sampling,
-    pub(super) raster: Raster,
+    pub(super) raster: MapRaster,
     /// The texels that receivers read.
     pub(super) slots: Arc<Slots>,
     /// What the raster holds at each of these; 1 where nothing is.
@@ -79,22 +83,18 @@ impl<'f, 'a> Chart<'f, 'a> {
             }
             Attachment::Depth => DepthFormat::F32,
         };
-        let offset = PolygonOffset::default();
-        let pass = Pass { size: [size; 2], cull: case.map.cull, depth_buffer, offset };
-        let (clip, triangles) = (&subject.vertices.light_clip, &subject.vertices.triangles);
-        let raster = draw(&device, &pass, clip, triangles);
+        let layout = case.light.layout(size);
+        let pass = MapPass { cull: case.map.cull, depth_buffer, offset: PolygonOffset::default() };
+        let raster = MapRaster::draw(&case.light, layout.clone(), &device, &subject.vertices, pass);
         let fixed = attachment == Attachment::Colour
             && shadow::fixed_coordinates(&device, TexelFormat::Packed(Packing::R8));
-        let sampling = Sampling { filter, wrap: case.lookup.wrap, size, fixed };
+        let sampling = Sampling { filter, wrap: case.lookup.wrap, fixed };
         let receivers = &field.receivers;
-        let uv = |i: usize| [receivers.u[i], receivers.v[i]];
-        let footprints = Footprints::of(sampling, &uv, receivers.len());
-        let slots = Slots::of(size, wanted_texels(&footprints));
+        let at = |i: usize| (layout.rect(field.samples[i].map), [receivers.u[i], receivers.v[i]]);
+        let footprints = Footprints::of(sampling, &at, receivers.len());
+        let slots = Slots::of(layout.clone(), wanted_texels(&footprints));
         let reads = Reads::new(footprints, &slots);
-        let drawn = |t: u32| match raster.triangle[t as usize] {
-            NO_TRIANGLE => 1.0,
-            _ => raster.depth[t as usize],
-        };
+        let drawn = |t: u32| layout.compared(raster.depth[t as usize]);
         let own = Drawn {
             depth: slots.over_texels(drawn).into(),
             triangle: slots.over_texels(|t| raster.triangle[t as usize]).into(),
@@ -102,6 +102,7 @@ impl<'f, 'a> Chart<'f, 'a> {
         Self {
             field,
             size,
+            layout,
             filter,
             attachment,
             sampling,
@@ -129,7 +130,7 @@ impl<'f, 'a> Chart<'f, 'a> {
     fn find_caster(&self, i: usize, tap: usize) -> StoredCaster {
         let slot = self.reads.slots(i)[tap] as usize;
         let (texel, triangle) = (self.slots.texel(slot), self.own.triangle[slot]);
-        let caster = self.field.caster(&self.field.samples[i], triangle, texel, self.size);
+        let caster = self.field.caster(&self.field.samples[i], triangle, texel, &self.layout);
         let place = CASTERS.iter().position(|&c| c == caster).map_or(0, |place| place as u8 + 1);
         self.casters[self.reads.range(i).start + tap].store(place, Relaxed);
         caster
@@ -139,9 +140,11 @@ impl<'f, 'a> Chart<'f, 'a> {
     /// it, so that it may not wait for them.
     pub(super) fn fragments(&self) -> &Fragments {
         let vertices = &self.field.observer.subject.vertices;
-        let (clip, triangles) = (&vertices.light_clip, &vertices.triangles);
-        self.fragments
-            .get_or_init(|| Fragments::collect(self.device(), clip, triangles, &self.slots))
+        self.fragments.get_or_init(|| {
+            let maps = self.field.case().light.maps().iter().zip(&vertices.maps);
+            let maps: Vec<_> = maps.map(|(map, v)| (map.clip, v.clip.as_slice())).collect();
+            Fragments::collect(self.device(), &maps, &vertices.triangles, &self.slots)
+        })
     }
 
     pub(super) fn device(&self) -> &Device {
@@ -161,7 +164,7 @@ impl<'f, 'a> Chart<'f, 'a> {
     /// What a bias may know of a receiver under this map size.
     #[must_use]
     pub fn site(&self, i: usize) -> Site {
-        self.field.site(&self.field.samples[i], self.size)
+        self.field.site(&self.field.samples[i], &self.layout)
     }
 
     /// Weights of the tap-side parameters of every receiver, in no format: a step is 0. Found once, on

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// What a pass has drawn, place by place.
 #[derive(Debug)]
 pub(super) struct Drawn<'d> {
-    /// Depths; 1 where nothing is.
+    /// Compared depths; the cleared one where nothing is.
     pub(super) depth: Cow<'d, [f32]>,
     /// Triangles, or [`NO_TRIANGLE`].
     pub(super) triangle: Cow<'d, [u32]>,

@@ -6,12 +6,13 @@ pub use super::receivers::Sample;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
+use crate::light::{Layout, Lookup};
 use crate::raster::passes::Subject;
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -55,12 +56,9 @@ impl<'a> Field<'a> {
     pub fn at(case: &'a Case, receivers: &[Receiver]) -> Self {
         let observer = Observer::new(case, &case.device.device());
         let of = |(i, receiver): (usize, &Receiver)| {
-            let window =
-                case.light.window_from_world(&observer.clip_from_world, receiver.position)?;
-            let coord = window.as_vec3().to_array();
-            let looking = Looking { pixel: [i as u32, 0], receiver: *receiver, coord };
-            let (window, answer, standing) = observer.witness(receiver);
-            let exact = window.filter(|_| standing == Standing::Counted)?;
+            let looking = observer.exactly([i as u32, 0], receiver)?;
+            let (exact, answer, standing) = observer.witness(receiver, looking.main().map);
+            let exact = exact.filter(|_| standing == Standing::Counted)?;
             Some(judged(&observer, looking, exact, answer))
         };
         let samples = receivers.par_iter().enumerate().filter_map(of).collect();
@@ -74,12 +72,12 @@ impl<'a> Field<'a> {
         Self { populations, observer, samples, receivers, moves: Moves::default() }
     }
 
-    /// The same receivers, each looking from where a recipe moves it under a map of `size`² texels; those
-    /// that would land behind the light stay.
+    /// The same receivers, each looking from where a recipe moves it under maps that lie as `layout` says;
+    /// those that would land behind the light stay.
     #[must_use]
-    pub fn looking_from(&self, recipe: &Recipe, size: u32) -> Self {
+    pub fn looking_from(&self, recipe: &Recipe, layout: &Layout) -> Self {
         let of = |sample: &Sample| {
-            let offset = recipe.receiver_offset(&self.site(sample, size));
+            let offset = recipe.receiver_offset(&self.site(sample, layout));
             let coord = self.moved(sample, offset).unwrap_or(sample.coord);
             Sample { coord, ..sample.clone() }
         };
@@ -90,10 +88,8 @@ impl<'a> Field<'a> {
     /// The subject's own coordinates of a receiver plus the change of the exact ones, one rounding each;
     /// `None` behind the light.
     pub(super) fn moved(&self, sample: &Sample, offset: DVec3) -> Option<[f32; 3]> {
-        let position = sample.receiver.position + offset;
-        let light = &self.case().light;
-        let window = light.window_from_world(&self.observer.clip_from_world, position)?;
-        let change = (window - sample.exact).as_vec3().to_array();
+        let look = self.observer.lenses[sample.map].look(sample.receiver.position + offset)?;
+        let change = (look - sample.exact).as_vec3().to_array();
         Some(std::array::from_fn(|i| sample.coord[i] + change[i]))
     }
 
@@ -108,26 +104,20 @@ impl<'a> Field<'a> {
         self.observer.case()
     }
 
-    /// What a bias may know of a receiver under a map of `size`² texels.
+    /// What a bias may know of a receiver under maps that lie as `layout` says.
     #[must_use]
-    pub fn site(&self, sample: &Sample, size: u32) -> Site {
-        let light = &self.case().light;
+    pub fn site(&self, sample: &Sample, layout: &Layout) -> Site {
         let position = sample.receiver.position;
-        let z = light.axial_distance(position);
-        let (near, far) = light.projection.near_far();
-        let window_per_world = if light.is_directional() {
-            1.0 / (far - near)
-        } else {
-            near * far / ((far - near) * z * z)
-        };
+        let map = &self.observer.lenses[sample.map].map;
+        let (z, map_size) = (map.axial_distance(position), layout.rect(sample.map).size);
         Site {
             position,
             normal: sample.normal,
-            to_light: light.direction_from(position),
-            texel_world: light.texel_world(size, z),
-            window_per_world,
+            to_light: self.case().light.direction_from(position),
+            texel_world: map.texel_world(map_size[0], z),
+            window_per_world: map.depth_per_world(z),
             gradient: sample.gradient,
-            map_size: size,
+            map_size,
         }
     }
 
@@ -137,13 +127,13 @@ impl<'a> Field<'a> {
         self.samples.get(self.samples.len() / 2)
     }
 
-    /// What a polygon offset multiplies on the receiver's own triangle in a map of `size`² texels of a
-    /// format: slope m and unit r, window depth, as the sweeps draw it.
+    /// What a polygon offset multiplies on the receiver's own triangle in its map of a format: slope m and
+    /// unit r, window depth, as the sweeps draw it.
     #[must_use]
-    pub fn offset_terms(&self, sample: &Sample, size: u32, format: TexelFormat) -> [f32; 2] {
+    pub fn offset_terms(&self, sample: &Sample, layout: &Layout, format: TexelFormat) -> [f32; 2] {
         let Subject { device, .. } = &self.observer.subject;
-        let setup = self.observer.subject.map_setup(sample.receiver.triangle, size);
-        let attachment = self.case().map.with(size, format).attachment();
+        let setup = self.observer.subject.map_setup(sample.receiver.triangle, sample.map, layout);
+        let attachment = self.case().map.with(layout.side(), format).attachment();
         [setup.max_slope(device), setup.resolvable(device, attachment)]
     }
 
@@ -152,8 +142,12 @@ impl<'a> Field<'a> {
     pub fn smallest_resolvable(&self, size: u32, format: TexelFormat) -> f64 {
         let attachment = self.case().map.with(size, format).attachment();
         let subject = &self.observer.subject;
-        let unit = |t: u32| subject.map_setup(t, size).resolvable(&subject.device, attachment);
-        let mut triangles: Vec<u32> = self.samples.iter().map(|s| s.receiver.triangle).collect();
+        let layout = self.case().light.layout(size);
+        let unit = |(t, map): (u32, usize)| {
+            subject.map_setup(t, map, &layout).resolvable(&subject.device, attachment)
+        };
+        let seen = self.samples.iter().map(|s| (s.receiver.triangle, s.map));
+        let mut triangles: Vec<(u32, usize)> = seen.collect();
         triangles.sort_unstable();
         triangles.dedup();
         let least = triangles.into_iter().map(unit).filter(|&r| r > 0.0).fold(f32::MAX, f32::min);
@@ -162,9 +156,15 @@ impl<'a> Field<'a> {
 
     /// Whose surface a stored triangle is to a receiver.
     #[must_use]
-    pub fn caster(&self, sample: &Sample, caster: u32, texel: u32, size: u32) -> StoredCaster {
-        let own = sample.receiver.triangle;
-        self.observer.caster_of(own, &sample.answer.truth, caster, texel, size)
+    pub fn caster(
+        &self,
+        sample: &Sample,
+        caster: u32,
+        texel: u32,
+        layout: &Layout,
+    ) -> StoredCaster {
+        let (own, place) = (sample.receiver.triangle, (sample.map, layout.rect(sample.map)));
+        self.observer.caster_of(own, &sample.answer.truth, caster, texel, place)
     }
 
     /// Whether a receiver would be lit were it moved: what the bias alone does to its shadow.
@@ -185,18 +185,24 @@ impl<'a> Field<'a> {
 
 /// A receiver that counts, of known truth.
 fn judged(observer: &Observer<'_>, looking: Looking, exact: DVec3, answer: Answer) -> Sample {
-    let Looking { pixel, receiver, coord } = looking;
+    let Lookup { map, coord, .. } = *looking.main();
+    let Looking { pixel, receiver, coords, .. } = looking;
     let lit = answer.truth == Truth::Lit;
     let case = observer.case();
     let area_normal = observer.geometry.area_normal(receiver.triangle);
     let normal = area_normal / length(area_normal);
     let normal = normal
         * if normal.dot(case.light.direction_from(receiver.position)) < 0.0 { -1.0 } else { 1.0 };
-    let gap =
-        if lit { f64::INFINITY } else { exact.z - observer.occluder_depth(&receiver, &answer) };
+    let gap = if lit {
+        f64::INFINITY
+    } else {
+        exact.z - observer.occluder_depth(map, &receiver, &answer)
+    };
     let mut sample = Sample {
         pixel,
         receiver,
+        coords,
+        map,
         coord,
         exact,
         lit,
@@ -204,20 +210,12 @@ fn judged(observer: &Observer<'_>, looking: Looking, exact: DVec3, answer: Answe
         answer,
         inside: 0.0,
         normal,
-        gradient: gradient(observer, normal, receiver.position),
+        gradient: observer.lenses[map].gradient(normal, receiver.position),
     };
     if !lit {
         sample.inside = inside(observer, &sample);
     }
     sample
-}
-
-/// Window depth of the plane through `p` per unit of u and v: the plane in clip space is the
-/// transposed inverse of the matrix times the plane. Infinite where it is seen edge-on.
-fn gradient(observer: &Observer<'_>, normal: DVec3, p: DVec3) -> DVec2 {
-    let plane = normal.extend(-normal.dot(p));
-    let clip = observer.world_from_clip.transpose() * plane;
-    DVec2::new(-clip.x / clip.z, -clip.y / clip.z)
 }
 
 /// Steps of the walk out of the shadow, in texels of the case's own map, and how many at most.
@@ -235,7 +233,7 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
     if !size.is_finite() || size < 1e-9 {
         return 0.0;
     }
-    let step = STEP * light.texel_world(observer.case().map.size, light.axial_distance(p));
+    let step = STEP * observer.lenses[sample.map].scales(p)[0];
     let receiver =
         |s: f64| Receiver { position: p + along * (s / size), triangle: sample.receiver.triangle };
     let mut blocker = sample.receiver.triangle;

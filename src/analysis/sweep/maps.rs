@@ -7,10 +7,13 @@ use super::field::Field;
 use super::store::Store;
 use crate::analysis::classify::StoredCaster;
 use crate::depth::DepthFormat;
+use crate::light::{Lens, Rect};
 use crate::raster::{Fragments, NO_TRIANGLE, Resolve};
 use crate::scene::{Cull, TexelFormat};
 use crate::shadow::bias::{Layers, Recipe, Site};
+use crate::view::ClipSpace;
 use glam::{DVec3, Vec4};
+use std::borrow::Cow;
 
 /// Whose surface a tap holds, given receiver, tap and texel, and how far the bias moved it.
 pub(super) type Surface<'s> = dyn Fn(usize, usize, u32) -> (StoredCaster, f64) + Sync + 's;
@@ -42,10 +45,10 @@ impl Chart<'_, '_> {
     ) -> T {
         let raster = &self.raster;
         let (depth, triangle, places) = match moved {
-            true => (&*raster.depth, &*raster.triangle, Places::Texels),
-            false => (&*self.own.depth, &*self.own.triangle, Places::Slots(&self.slots)),
+            true => (self.compared(&raster.depth), &*raster.triangle, Places::Texels),
+            false => ((&*self.own.depth).into(), &*self.own.triangle, Places::Slots(&self.slots)),
         };
-        let drawn = Drawn { depth: depth.into(), triangle: triangle.into() };
+        let drawn = Drawn { depth, triangle: triangle.into() };
         let store = |&texel: &TexelFormat| self.own_store(texel, &drawn, &places);
         let stores: Vec<Store<'_>> = texels.iter().map(store).collect();
         then(&stores, &|i, tap, t| {
@@ -104,16 +107,20 @@ impl Chart<'_, '_> {
             Layers::BackFaces => Cull::Front,
             Layers::Second | Layers::Midpoint | Layers::Dual => Cull::None,
         };
-        let write = |front: bool, z: f32| self.oriented(recipe.oriented, front, z);
-        let write: Option<&dyn Fn(bool, f32) -> f32> =
+        let compared = |z: f32| self.layout.compared(z);
+        let write = |map: usize, front: bool, z: f32| {
+            compared(self.oriented(recipe.oriented, map, front, compared(z)))
+        };
+        let write: Option<&dyn Fn(usize, bool, f32) -> f32> =
             if recipe.oriented == 0.0 { None } else { Some(&write) };
         let offset = recipe.polygon;
         let pass = Resolve { depth_buffer, cull, offset, resolvable, write };
-        let mut drawn = (vec![1.0; slots.len()], vec![NO_TRIANGLE; slots.len()]);
+        let cleared = compared(self.layout.cleared());
+        let mut drawn = (vec![cleared; slots.len()], vec![NO_TRIANGLE; slots.len()]);
         fragments.resolve(slots, &pass, |k, [first, second]| {
             let Some(first) = first else { return };
-            let behind = second.map(|layer| layer.depth);
-            let depth = recipe.layers.combine(first.depth, behind, recipe.layer_offset);
+            let behind = second.map(|layer| compared(layer.depth));
+            let depth = recipe.layers.combine(compared(first.depth), behind, recipe.layer_offset);
             let layer = if recipe.layers == Layers::Second { second } else { Some(first) };
             if let (Some(depth), Some(layer)) = (depth, layer) {
                 (drawn.0[k], drawn.1[k]) = (depth, layer.triangle);
@@ -122,44 +129,50 @@ impl Chart<'_, '_> {
         Drawn { depth: drawn.0.into(), triangle: drawn.1.into() }
     }
 
-    /// The depth that an oriented bias writes, world units along the light.
-    fn oriented(&self, amount: f32, front: bool, z: f32) -> f32 {
-        let light = &self.field.case().light;
-        let (near, far) = light.projection.near_far();
-        let distance = light.world_from_window(f64::from(z));
-        let per_world = match light.is_directional() {
-            true => 1.0 / (far - near),
-            false => near * far / ((far - near) * distance * distance),
-        };
+    /// Window depths as they are compared.
+    fn compared<'z>(&self, depths: &'z [f32]) -> Cow<'z, [f32]> {
+        match self.layout.reversed() {
+            false => depths.into(),
+            true => depths.iter().map(|&z| self.layout.compared(z)).collect(),
+        }
+    }
+
+    /// The compared depth that an oriented bias writes, world units along the light.
+    fn oriented(&self, amount: f32, map: usize, front: bool, z: f32) -> f32 {
+        let map = &self.field.observer.lenses[map].map;
+        let per_world = map.depth_per_world(map.world_from_depth(f64::from(z)));
         let world = f64::from(if front { amount } else { -amount });
         z + (world * per_world) as f32
     }
 
     /// The fragments after casters' vertices have moved in world space (f64), transformed by the f32
-    /// clip matrix of the light; their slots are the chart's own.
+    /// clip matrix of each map; their slots are the chart's own.
     fn fragments_moved(&self, recipe: &Recipe) -> Fragments {
         let observer = &self.field.observer;
-        let case = self.field.case();
-        let device = self.device();
-        let normals = vertex_normals(self.field);
-        let matrix = observer.clip_from_world.as_mat4();
-        let clip = |(&p, &normal): (&DVec3, &DVec3)| -> Vec4 {
-            let distance = case.light.axial_distance(p);
-            let site = Site {
-                position: p,
-                normal,
-                to_light: case.light.direction_from(p),
-                texel_world: case.light.texel_world(self.size, distance),
-                window_per_world: 0.0,
-                gradient: glam::DVec2::ZERO,
-                map_size: self.size,
+        let (light, device) = (&self.field.case().light, self.device());
+        let (normals, geometry) = (vertex_normals(self.field), &observer.geometry);
+        let under = |(lens, rect): (&Lens, &Rect)| -> (ClipSpace, Vec<Vec4>) {
+            let matrix = lens.clip_from_world.as_mat4();
+            let clip = |(&p, &normal): (&DVec3, &DVec3)| -> Vec4 {
+                let distance = lens.map.axial_distance(p);
+                let site = Site {
+                    position: p,
+                    normal,
+                    to_light: light.direction_from(p),
+                    texel_world: lens.map.texel_world(rect.size[0], distance),
+                    window_per_world: 0.0,
+                    gradient: glam::DVec2::ZERO,
+                    map_size: rect.size,
+                };
+                let moved = p + recipe.vertex_offset(&site);
+                device.mat_vec(&matrix, moved.as_vec3().extend(1.0))
             };
-            let moved = p + recipe.vertex_offset(&site);
-            device.mat_vec(&matrix, moved.as_vec3().extend(1.0))
+            (lens.map.clip, geometry.positions.iter().zip(&normals).map(clip).collect())
         };
-        let geometry = &observer.geometry;
-        let clip: Vec<Vec4> = geometry.positions.iter().zip(&normals).map(clip).collect();
-        Fragments::collect(device, &clip, &geometry.triangles, &self.slots)
+        let maps: Vec<_> = observer.lenses.iter().zip(self.layout.rects()).map(under).collect();
+        let maps: Vec<_> =
+            maps.iter().map(|(clip, vertices)| (*clip, vertices.as_slice())).collect();
+        Fragments::collect(device, &maps, &geometry.triangles, &self.slots)
     }
 }
 

@@ -9,7 +9,7 @@ use super::tally::SHARE;
 use super::taps::Taps;
 use super::turns::{Along, Turns};
 use crate::analysis::classify::StoredCaster;
-use crate::analysis::verdict::{Held, SURELY_SOUND, deciding_in_a_mix, is_sound};
+use crate::analysis::verdict::{Held, SURELY_SOUND, deciding_in_a_mix};
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Strategy};
 use crate::shadow::margins::reaching;
@@ -135,7 +135,7 @@ impl Held for Here<'_> {
             return true;
         }
         let slot = chart.reads.slots(self.receiver)[self.deciding(comparison)];
-        is_sound(store.drawn.at(slot as usize), store.at_slot(slot))
+        store.is_sound(store.drawn.at(slot as usize), store.at_slot(slot))
     }
 
     fn share(&self, comparison: usize) -> i64 {

@@ -95,7 +95,7 @@ impl CaseSweep {
     #[must_use]
     pub fn of(field: &Field<'_>, plan: &Plan) -> Self {
         let base = Self::named(field.case());
-        let site = field.middle().map(|s| field.site(s, base.own_size));
+        let site = field.middle().map(|s| field.site(s, &field.case().layout()));
         let mut known = site.map_or(base.clone(), |site| Self {
             world_per_window: 1.0 / site.window_per_world,
             texel_world: site.texel_world,

@@ -8,7 +8,8 @@ use super::maps::Surface;
 use super::store::Store;
 use super::tally::SHARE;
 use crate::analysis::classify::StoredCaster;
-use crate::analysis::verdict::{deciding_in_a_mix, is_sound};
+use crate::analysis::verdict::deciding_in_a_mix;
+use crate::light::Lens;
 use crate::raster::NO_TRIANGLE;
 use crate::scene::TexelFormat;
 use crate::shadow::bias::{Follow, Recipe};
@@ -32,14 +33,19 @@ impl Chart<'_, '_> {
         let z_column = DVec4::new(0.0, 0.0, -0.5, 0.0);
         let w_column = DVec4::new(0.0, 0.0, 0.5, 1.0);
         let reverse = DMat4::from_cols(DVec4::X, DVec4::Y, z_column, w_column);
-        let matrix = (reverse * observer.clip_from_world).as_mat4();
-        let clip = |p: &DVec3| self.device().mat_vec(&matrix, p.as_vec3().extend(1.0));
-        let clip: Vec<Vec4> = observer.geometry.positions.iter().map(clip).collect();
+        let clip = |lens: &Lens| -> Vec<Vec4> {
+            let matrix = (reverse * lens.clip_from_world).as_mat4();
+            let clip = |p: &DVec3| self.device().mat_vec(&matrix, p.as_vec3().extend(1.0));
+            observer.geometry.positions.iter().map(clip).collect()
+        };
+        let clip: Vec<Vec<Vec4>> = observer.lenses.iter().map(clip).collect();
         let fragments = self.fragments();
-        let corners = |t: u32| observer.geometry.triangles[t as usize].map(|v| clip[v as usize]);
-        let depth = |t: u32| match self.raster.triangle[t as usize] {
-            NO_TRIANGLE => 0.0,
-            id => fragments.value(t, id, corners(id).map(|v| v.z)),
+        let corners = |map: usize, t: u32| {
+            observer.geometry.triangles[t as usize].map(|v| clip[map][v as usize])
+        };
+        let depth = |t: u32| match (self.raster.triangle[t as usize], self.layout.map_of(t)) {
+            (NO_TRIANGLE, _) | (_, None) => 0.0,
+            (id, Some(map)) => fragments.value(map, t, id, corners(map, id).map(|v| v.z)),
         };
         // Cleared texels are drawn with 0.
         let drawn = Drawn {
@@ -50,7 +56,9 @@ impl Chart<'_, '_> {
             let triangle = sample.receiver.triangle;
             let varyings = subject.camera_setup(triangle).varyings(self.device());
             let [x, y] = sample.pixel.map(|c| c as f32);
-            let of = |pick: fn(Vec4) -> f32| varyings.scalar(corners(triangle).map(pick), x, y);
+            let of = |pick: fn(Vec4) -> f32| {
+                varyings.scalar(corners(sample.map, triangle).map(pick), x, y)
+            };
             of(|v| v.z) / of(|v| v.w)
         };
         let places = Places::Slots(&self.slots);
@@ -87,7 +95,7 @@ impl Chart<'_, '_> {
         if own.filter(same).is_some() {
             return self.own_caster(i, tap);
         }
-        self.field.caster(&self.field.samples[i], triangle, texel, self.size)
+        self.field.caster(&self.field.samples[i], triangle, texel, &self.layout)
     }
 
     fn looks_in_place(
@@ -99,7 +107,11 @@ impl Chart<'_, '_> {
         let mut footprints = Footprints::new(self.sampling, true);
         let of = |(i, sample): (usize, &Sample)| {
             let [u, v, _] = sample.coord;
-            let at = Glance { sample, coord: sample.coord, footprint: footprints.only([u, v]) };
+            let at = Glance {
+                sample,
+                coord: sample.coord,
+                footprint: footprints.only(self.layout.rect(sample.map), [u, v]),
+            };
             self.look(store, recipe, &at, &|tap, texel| surface(i, tap, texel))
         };
         self.field.samples.iter().enumerate().map(of).collect()
@@ -113,7 +125,11 @@ impl Chart<'_, '_> {
         let mut footprints = Footprints::new(self.sampling, true);
         let one = |(i, sample): (usize, &Sample)| {
             let Some(coord) = moves.coord(i) else { return unlooked(sample) };
-            let at = Glance { sample, coord, footprint: footprints.only([coord[0], coord[1]]) };
+            let at = Glance {
+                sample,
+                coord,
+                footprint: footprints.only(self.layout.rect(sample.map), [coord[0], coord[1]]),
+            };
             let mut looks = self.look(store, recipe, &at, &|tap, texel| surface(i, tap, texel));
             let lit = |l: &Look| case.lookup.compare.is_lit(l.z, l.stored, 0.0);
             looks.moved_into_light = !sample.lit && looks.taps.iter().any(lit) && moves.is_lit(i);
@@ -139,7 +155,7 @@ impl Chart<'_, '_> {
             let texel = footprint.texels[i];
             let (caster, gained) = surface(i, texel);
             let read = store.depth(device, texel as usize);
-            let sound = is_sound(store.drawn(texel), read);
+            let sound = store.is_sound(store.drawn(texel), read);
             let share = (footprint.share(i) * SHARE) as i64;
             let z = compared(recipe.follow, sample, coord[2], footprint, i);
             Look { z, stored, share, caster, sound, gained }

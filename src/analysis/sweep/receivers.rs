@@ -1,6 +1,7 @@
 //! What is known of the receivers of a case: of each all, and what every verdict asks in lists side by
 //! side, 29 bytes a receiver.
 
+use crate::shadow::Few;
 use crate::truth::{Answer, Receiver};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -12,7 +13,11 @@ pub struct Sample {
     pub pixel: [u32; 2],
     /// Where it is.
     pub receiver: Receiver,
-    /// Map coordinates and depth as the subject computes them.
+    /// Coordinates and compared depth in each map as the subject computes them.
+    pub coords: Few<[f32; 3]>,
+    /// The map that it looks up, or of two that are mixed the one with the larger share.
+    pub map: usize,
+    /// Its coordinates there.
     pub coord: [f32; 3],
     /// The same, f64.
     pub exact: DVec3,

@@ -33,7 +33,8 @@ impl Scales {
         let Some(middle) = field.middle() else { return none };
         let resolvable = || field.smallest_resolvable(size, format);
         Self {
-            world_per_window: 1.0 / field.site(middle, size).window_per_world,
+            world_per_window: 1.0
+                / field.site(middle, &field.case().light.layout(size)).window_per_world,
             resolvable: if counts { resolvable() } else { none.resolvable },
             step: format.step(middle.coord[2]),
         }

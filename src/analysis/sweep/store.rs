@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use super::drawn::{Drawn, Places};
+use crate::analysis::verdict::is_sound;
 use crate::device::Device;
 use crate::scene::{MapSpec, TexelFormat};
 use crate::shadow::{self, Stored, Texels};
@@ -12,6 +13,7 @@ pub(super) struct Store<'s> {
     pub(super) drawn: &'s Drawn<'s>,
     pub(super) places: &'s Places<'s>,
     spec: MapSpec,
+    reversed: bool,
     device: Device,
     stored: Arc<Stored>,
 }
@@ -30,7 +32,14 @@ impl Chart<'_, '_> {
             let new = Arc::new(self.stored(texel, drawn));
             self.known(key, Some(&new)).unwrap_or(new)
         });
-        Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
+        Store {
+            drawn,
+            places,
+            spec: self.spec(texel),
+            reversed: self.layout.reversed(),
+            device: *self.device(),
+            stored,
+        }
     }
 
     /// A map that was stored before; else `new` is kept from now on.
@@ -51,12 +60,19 @@ impl Chart<'_, '_> {
         places: &'s Places<'s>,
     ) -> Store<'s> {
         let stored = Arc::new(self.stored(texel, drawn));
-        Store { drawn, places, spec: self.spec(texel), device: *self.device(), stored }
+        Store {
+            drawn,
+            places,
+            spec: self.spec(texel),
+            reversed: self.layout.reversed(),
+            device: *self.device(),
+            stored,
+        }
     }
 
     fn stored(&self, texel: TexelFormat, drawn: &Drawn<'_>) -> Stored {
         let drawn = shadow::Drawn { depth: &drawn.depth, triangle: &drawn.triangle };
-        Stored::new(self.device(), &self.spec(texel), drawn)
+        Stored::new(self.device(), &self.spec(texel), self.layout.reversed(), drawn)
     }
 }
 
@@ -70,7 +86,14 @@ impl Store<'_> {
     pub(super) fn mixed(&self, slots: &[u32; 4], weights: [f32; 2]) -> f32 {
         let TexelFormat::Packed(packing) = self.spec.texel else { return 0.0 };
         let bytes = slots.map(|slot| self.stored.bytes[self.places.of_slot(slot)]);
-        shadow::mix(&self.device, packing, &bytes, weights)
+        let depth = shadow::mix(&self.device, packing, &bytes, weights);
+        if self.reversed { -depth } else { depth }
+    }
+
+    /// Whether a depth read is the one drawn, both as compared: [`is_sound`] of their window depths.
+    pub(super) fn is_sound(&self, drawn: Option<f32>, read: f32) -> bool {
+        let window = |z: f32| if self.reversed { -z } else { z };
+        is_sound(drawn.map(window), window(read))
     }
 
     /// What a texel was drawn with.
@@ -85,8 +108,8 @@ impl Store<'_> {
 }
 
 impl Texels for Store<'_> {
-    fn size(&self) -> u32 {
-        self.spec.size
+    fn reversed(&self) -> bool {
+        self.reversed
     }
 
     fn format(&self) -> TexelFormat {

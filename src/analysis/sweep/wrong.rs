@@ -7,7 +7,7 @@ use super::reading::compared;
 use super::store::Store;
 use super::tally::{Kind, SHARE, Tally};
 use crate::analysis::classify::StoredCaster;
-use crate::analysis::verdict::{Held, LookUp, WHOLE, deciding_in_a_mix, is_sound, verdict};
+use crate::analysis::verdict::{Held, LookUp, WHOLE, deciding_in_a_mix, verdict};
 use crate::scene::{Filter, LookupSpec, TexelFormat};
 use crate::shadow::bias::{Follow, Recipe};
 use crate::shadow::{self, Footprint, Footprints, Texels};
@@ -98,7 +98,8 @@ impl Chart<'_, '_> {
                 found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, lit)));
                 continue;
             };
-            let footprint = footprints.only([coord[0], coord[1]]);
+            let footprint =
+                footprints.only(self.layout.rect(self.field.samples[i].map), [coord[0], coord[1]]);
             let look = Look { lit, coord, footprint, slots: &[] };
             let agrees = |error: f32| screen.as_ref().is_some_and(|s| s.agrees(&look, error));
             if agrees(widest) {
@@ -185,7 +186,10 @@ impl Verdicts<'_> {
             let i = receiver as usize;
             let (coord, lit) = (receivers.coord(i), receivers.lit[i]);
             let footprint = match follows {
-                true => footprints.only([coord[0], coord[1]]),
+                true => footprints.only(
+                    self.chart.layout.rect(self.chart.field.samples[i].map),
+                    [coord[0], coord[1]],
+                ),
                 false => self.chart.reads.footprint(i),
             };
             let slots = self.chart.reads.slots(i);
@@ -283,7 +287,7 @@ impl<M> Held for Seen<'_, M> {
     fn is_sound(&self, part: usize) -> bool {
         let tap = self.tap(part);
         let drawn = self.under.store.drawn(self.look.footprint.texels[tap]);
-        is_sound(drawn, self.under.depth(self.look, tap))
+        self.under.store.is_sound(drawn, self.under.depth(self.look, tap))
     }
 
     #[inline(always)]

@@ -127,18 +127,19 @@ pub fn place(field: &Field<'_>, size: u32, format: TexelFormat) -> Option<Place>
 /// unit that the sweeps draw it with, so that an amount times its lever is the window depth swept.
 #[must_use]
 pub fn place_at(field: &Field<'_>, sample: &Sample, size: u32, format: TexelFormat) -> Place {
-    let light = &field.case().light;
-    let site = field.site(sample, size);
-    let (near, far) = light.projection.near_far();
-    let z = light.axial_distance(sample.receiver.position);
-    let [caster_slope, unit] = field.offset_terms(sample, size, format).map(f64::from);
+    let layout = field.case().light.layout(size);
+    let site = field.site(sample, &layout);
+    let map = &field.observer.lenses[sample.map].map;
+    let (near, far) = map.projection.near_far();
+    let z = map.axial_distance(sample.receiver.position);
+    let [caster_slope, unit] = field.offset_terms(sample, &layout, format).map(f64::from);
     Place {
         near,
         far,
-        distance: (!light.is_directional()).then_some(z),
+        distance: (!map.is_orthographic()).then_some(z),
         texel_world: site.texel_world,
         cosine: site.normal.dot(site.to_light).clamp(1e-6, 1.0),
-        slope: receiver_slope(site.gradient, size),
+        slope: receiver_slope(site.gradient, site.map_size),
         caster_slope,
         unit,
         step: format.step(sample.coord[2]),
@@ -149,7 +150,7 @@ pub fn place_at(field: &Field<'_>, sample: &Sample, size: u32, format: TexelForm
 fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally {
     let recipe = engine.defaults();
     let casters = Recipe { normal: NormalMove::default(), light: 0.0, ..recipe };
-    let field = chart.field.looking_from(&recipe, chart.size);
+    let field = chart.field.looking_from(&recipe, &chart.layout);
     let there = Chart::new(&field, chart.size, chart.filter, Attachment::of(format));
     let rule = field.case().lookup.compare;
     let mut tally = Tally::default();

@@ -3,6 +3,7 @@
 
 use super::bins::{Place, ceil};
 use crate::simd::lanes::{BATCH, Lanes};
+use crate::view::ClipRange;
 use glam::Vec4;
 
 /// A triangle wider or higher than this many sub-pixels is drawn by rows.
@@ -36,6 +37,8 @@ pub(super) struct Batch {
     w: [[f64; BATCH]; 3],
     /// Window depth times w.
     depth: [[f64; BATCH]; 3],
+    /// Factor of z in window depth times w; that of w is 1 less it.
+    scale: f64,
 }
 
 /// Edge functions of a batch: inside where none is negative.
@@ -58,14 +61,20 @@ pub(super) struct Edge3 {
 }
 
 impl Batch {
-    pub(super) const EMPTY: Self = Self {
+    const EMPTY: Self = Self {
         len: 0,
         ids: [0; BATCH],
         x: [[0; BATCH]; 3],
         y: [[0; BATCH]; 3],
         w: [[1.0; BATCH]; 3],
         depth: [[0.0; BATCH]; 3],
+        scale: 0.5,
     };
+
+    /// None yet, of a clip space.
+    pub(super) fn new(range: ClipRange) -> Self {
+        Self { scale: f64::from(range.scale()), ..Self::EMPTY }
+    }
 
     #[inline(always)]
     pub(super) fn push(&mut self, id: u32, places: [Place; 3], clip: [Vec4; 3]) {
@@ -75,7 +84,7 @@ impl Batch {
             [self.x[corner][k], self.y[corner][k]] = places[corner];
             let (z, w) = (f64::from(clip[corner].z), f64::from(clip[corner].w));
             self.w[corner][k] = w;
-            self.depth[corner][k] = z * 0.5 + w * 0.5;
+            self.depth[corner][k] = z * self.scale + w * (1.0 - self.scale);
         }
         self.len += 1;
     }

@@ -43,15 +43,16 @@ impl Scene<'_> {
     /// The set-up of one triangle.
     pub(super) fn setup(&self, id: u32) -> Setup {
         let corners = self.triangles[id as usize].map(|v| self.clip[v as usize]);
-        Setup::new(self.device, self.pass.size, corners)
+        Setup::in_space(self.device, self.pass.size, self.pass.clip, corners)
     }
 
     /// The snapped vertices.
     pub(super) fn places(&self, level: Level) -> Vec<Place> {
         let mut places = vec![CLIPPED; self.clip.len()];
         let chunks = places.par_chunks_mut(CHUNK).zip(self.clip.par_chunks(CHUNK));
+        let near = clip::least(self.pass.clip.range);
         chunks.for_each(|(places, clip)| {
-            level.run(Snap { device: self.device, size: self.pass.size, clip, places });
+            level.run(Snap { device: self.device, size: self.pass.size, near, clip, places });
         });
         places
     }
@@ -75,6 +76,7 @@ impl Scene<'_> {
 struct Snap<'a> {
     device: &'a Device,
     size: [u32; 2],
+    near: f32,
     clip: &'a [Vec4],
     places: &'a mut [Place],
 }
@@ -85,7 +87,7 @@ impl Kernel for Snap<'_> {
     #[inline(always)]
     fn run(self, _: bool) {
         for (place, &v) in self.places.iter_mut().zip(self.clip) {
-            if v.is_finite() && v.w > 0.0 && clip::is_inside(v) {
+            if v.is_finite() && v.w > 0.0 && clip::is_inside(v, self.near) {
                 // Within the view volume, so within the viewport: at most 2^16 pixels of 2^8.
                 let [x, y] = snap(self.device, self.size, v);
                 *place = [x as i32, y as i32];
@@ -172,7 +174,7 @@ impl Sort<'_> {
         let right = ceil(a[0].max(b[0]).max(c[0]), s);
         let bottom = ceil(a[1].min(b[1]).min(c[1]), s);
         let top = ceil(a[1].max(b[1]).max(c[1]), s);
-        let culled = match self.scene.pass.cull {
+        let culled = match self.scene.pass.screen_cull() {
             Cull::None => false,
             Cull::Back => area(corners) <= 0,
             Cull::Front => area(corners) >= 0,
@@ -188,7 +190,7 @@ impl Sort<'_> {
     #[inline(never)]
     fn clipped_tiles(&self, id: u32) -> Option<Tiles> {
         let Scene { device, pass, .. } = self.scene;
-        let outline = self.scene.setup(id).projected.outline(device, pass.cull)?;
+        let outline = self.scene.setup(id).projected.outline(device, pass.screen_cull())?;
         let samples = outline.samples();
         let mut tiles = Tiles::default();
         for axis in 0..2 {

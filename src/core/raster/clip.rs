@@ -1,6 +1,7 @@
 //! Homogeneous clipping of a triangle against the view volume, in the subject's f32.
 
 use crate::num::exp2;
+use crate::view::ClipRange;
 use glam::Vec4;
 
 /// A convex polygon of at most nine clip-space corners.
@@ -28,23 +29,32 @@ impl Polygon {
     }
 }
 
+/// Multiple of w in the distance to the plane of least z.
+#[inline(always)]
+pub(super) const fn least(range: ClipRange) -> f32 {
+    match range {
+        ClipRange::MinusOneToOne => 1.0,
+        ClipRange::ZeroToOne => 0.0,
+    }
+}
+
 /// Signed distances to the six planes, positive inside: near, far, left, right, bottom last but for
 /// the measured order top before bottom.
 #[inline(always)]
-fn distances(v: Vec4) -> [f32; 6] {
-    [v.z + v.w, v.w - v.z, v.x + v.w, v.w - v.x, v.w - v.y, v.y + v.w]
+fn distances(v: Vec4, near: f32) -> [f32; 6] {
+    [v.z + v.w * near, v.w - v.z, v.x + v.w, v.w - v.x, v.w - v.y, v.y + v.w]
 }
 
 /// Whether a vertex lies inside the volume (NaN does not).
 #[inline(always)]
-pub(super) fn is_inside(v: Vec4) -> bool {
-    let [a, b, c, d, e, f] = distances(v);
+pub(super) fn is_inside(v: Vec4, near: f32) -> bool {
+    let [a, b, c, d, e, f] = distances(v, near);
     (a >= 0.0) & (b >= 0.0) & (c >= 0.0) & (d >= 0.0) & (e >= 0.0) & (f >= 0.0)
 }
 
 /// Whether some corner lies outside the volume (NaN counts as outside).
-pub(super) fn needs_clipping(clip: &[Vec4; 3]) -> bool {
-    clip.iter().any(|&v| !is_inside(v))
+pub(super) fn needs_clipping(clip: &[Vec4; 3], range: ClipRange) -> bool {
+    clip.iter().any(|&v| !is_inside(v, least(range)))
 }
 
 /// The part of a triangle inside the view volume; empty if there is none.
@@ -53,24 +63,24 @@ pub(super) fn needs_clipping(clip: &[Vec4; 3]) -> bool {
 /// shared by two triangles is cut at the same point from both sides. All corners are first divided by
 /// the power of two of the largest coordinate, which no place on the screen depends on and which keeps
 /// the products from overflowing or vanishing at any scale of the scene.
-pub(super) fn clip(clip: &[Vec4; 3]) -> Polygon {
+pub(super) fn clip(clip: &[Vec4; 3], range: ClipRange) -> Polygon {
     let mut polygon = Polygon::new();
     let largest = clip.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
     let exponent = (largest.to_bits() >> 23) as i32 - 127;
     let scale = exp2(-exponent.min(127)) as f32;
     clip.iter().for_each(|&v| polygon.push(v * scale));
     for plane in 0..6 {
-        polygon = clip_plane(&polygon, plane);
+        polygon = clip_plane(&polygon, plane, least(range));
     }
     polygon
 }
 
-fn clip_plane(polygon: &Polygon, plane: usize) -> Polygon {
+fn clip_plane(polygon: &Polygon, plane: usize, near: f32) -> Polygon {
     let mut out = Polygon::new();
     let corners = polygon.corners();
     for (i, &current) in corners.iter().enumerate() {
         let next = corners[(i + 1) % corners.len()];
-        let (d, d_next) = (distances(current)[plane], distances(next)[plane]);
+        let (d, d_next) = (distances(current, near)[plane], distances(next, near)[plane]);
         let (inside, inside_next) = (d >= 0.0, d_next >= 0.0);
         if inside {
             out.push(current);
@@ -98,8 +108,8 @@ mod tests {
     #[test]
     fn a_triangle_inside_is_left_alone() {
         let t = [Vec4::W, Vec4::new(0.5, 0.0, 0.0, 1.0), Vec4::new(0.0, 0.5, 0.0, 1.0)];
-        assert!(!needs_clipping(&t), "inside");
-        assert_eq!(clip(&t).corners(), &t, "unchanged");
+        assert!(!needs_clipping(&t, ClipRange::MinusOneToOne), "inside");
+        assert_eq!(clip(&t, ClipRange::MinusOneToOne).corners(), &t, "unchanged");
     }
 
     #[test]
@@ -109,7 +119,7 @@ mod tests {
             Vec4::new(1.0, 0.0, 1.0, 2.0),
             Vec4::new(-1.0, 0.0, 1.0, 2.0),
         ];
-        let polygon = clip(&t);
+        let polygon = clip(&t, ClipRange::MinusOneToOne);
         assert!(polygon.corners().len() >= 3, "something is left");
         assert!(polygon.corners().iter().all(|v| v.w > 0.0), "{polygon:?}");
     }
@@ -121,6 +131,9 @@ mod tests {
             Vec4::new(1.0, 0.0, 5.0, 1.0),
             Vec4::new(0.0, 1.0, 5.0, 1.0),
         ];
-        assert!(clip(&t).corners().is_empty(), "beyond far");
+        assert!(clip(&t, ClipRange::MinusOneToOne).corners().is_empty(), "beyond far");
+        let behind = t.map(|v| Vec4::new(v.x, v.y, -0.5, v.w));
+        assert!(clip(&behind, ClipRange::ZeroToOne).corners().is_empty(), "before near");
+        assert!(!clip(&behind, ClipRange::MinusOneToOne).corners().is_empty(), "beyond near");
     }
 }

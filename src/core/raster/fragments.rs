@@ -5,6 +5,7 @@ use super::{Plane, PolygonOffset, Setup, Slots, depth_key};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::scene::Cull;
+use crate::view::ClipSpace;
 use glam::Vec4;
 use std::sync::Arc;
 
@@ -27,54 +28,68 @@ pub struct Resolve<'s> {
     pub offset: PolygonOffset,
     /// Format whose resolvable difference the offset counts.
     pub resolvable: DepthFormat,
-    /// Written instead of a fragment's depth, if anything: (front face, depth) → depth.
-    pub write: Option<&'s dyn Fn(bool, f32) -> f32>,
+    /// Written instead of a fragment's depth, if anything: (map, front face, depth) → depth.
+    pub write: Option<&'s dyn Fn(usize, bool, f32) -> f32>,
 }
 
 /// Fragments over chosen texels, in drawing order.
 #[derive(Clone, Debug)]
 pub struct Fragments {
     device: Device,
+    /// The triangles of each map, map by map.
     setups: Vec<(Setup, bool)>,
+    /// How many of each.
+    count: usize,
     slots: Arc<Slots>,
     /// Where the fragments of each slot begin; one more at the end.
     starts: Vec<u32>,
-    triangles: Vec<u32>,
+    /// The set-up of each.
+    found: Vec<u32>,
 }
 
 impl Fragments {
-    /// Rasterises all triangles, both faces, and keeps what falls on the texels of `slots`.
+    /// Rasterises all triangles in every map, both faces, and keeps what falls on the texels of `slots`.
+    /// `maps` gives each map's clip space and the vertices in it.
     #[must_use]
     pub fn collect(
         device: &Device,
-        clip: &[Vec4],
+        maps: &[(ClipSpace, &[Vec4])],
         triangles: &[[u32; 3]],
         slots: &Arc<Slots>,
     ) -> Self {
-        let size = [slots.size(); 2];
-        let setup = |t: &[u32; 3]| Setup::new(device, size, t.map(|v| clip[v as usize]));
-        let setups: Vec<_> = triangles.iter().map(setup).map(|s| (s, s.is_front())).collect();
+        let (count, mut setups) = (triangles.len(), Vec::new());
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         let mut starts = vec![0u32; slots.len() + 1];
-        for (id, (setup, _)) in setups.iter().enumerate() {
-            setup.cover(device, size, Cull::None, |y, first, end| {
-                for slot in (y * size[0] + first..y * size[0] + end).filter_map(|t| slots.found(t))
-                {
-                    pairs.push((slot as u32, id as u32));
-                    starts[slot + 1] += 1;
-                }
-            });
+        for (rect, &(clip, vertices)) in slots.layout().rects().iter().zip(maps) {
+            for t in triangles {
+                let corners = t.map(|v| vertices[v as usize]);
+                let setup = Setup::in_space(device, rect.size, clip, corners);
+                let id = setups.len() as u32;
+                setup.cover(device, rect.size, Cull::None, |y, first, end| {
+                    let texels = rect.texel(first, y)..rect.texel(end, y);
+                    for slot in texels.filter_map(|t| slots.found(t)) {
+                        pairs.push((slot as u32, id));
+                        starts[slot + 1] += 1;
+                    }
+                });
+                setups.push((setup, setup.is_front()));
+            }
         }
         for i in 0..slots.len() {
             starts[i + 1] += starts[i];
         }
-        let (mut next, mut triangles) = (starts.clone(), vec![0; pairs.len()]);
+        let (mut next, mut found) = (starts.clone(), vec![0; pairs.len()]);
         for (slot, id) in pairs {
             let place = &mut next[slot as usize];
-            triangles[*place as usize] = id;
+            found[*place as usize] = id;
             *place += 1;
         }
-        Self { device: *device, setups, slots: slots.clone(), starts, triangles }
+        Self { device: *device, setups, count, slots: slots.clone(), starts, found }
+    }
+
+    /// Column and row, within its map, of the texel at a slot.
+    fn place(&self, map: usize, texel: u32) -> [f32; 2] {
+        self.slots.layout().rect(map).place(texel).map(|c| c as f32)
     }
 
     /// The depth of every triangle under a pass, and whether its front is seen; `None` where it is culled.
@@ -85,42 +100,46 @@ impl Fragments {
                 Cull::Back => !front,
                 Cull::Front => *front,
             };
-            let offset = || setup.offset(&self.device, pass.resolvable, pass.offset);
-            (!culled).then(|| (*front, setup.depth().moved(offset())))
+            let plane = || setup.offset_depth(&self.device, pass.resolvable, pass.offset);
+            (!culled).then(|| (*front, plane()))
         };
         self.setups.iter().map(of).collect()
     }
 
-    /// The value of a quantity over w at a texel's centre, given at the three vertices of `triangle`:
-    /// f64, rounded once.
+    /// The value of a quantity over w at a texel's centre in a map, given at the three vertices of
+    /// `triangle`: f64, rounded once.
     #[must_use]
-    pub fn value(&self, texel: u32, triangle: u32, at_vertices: [f32; 3]) -> f32 {
-        let plane = self.setups[triangle as usize].0.exact_plane(at_vertices);
-        let size = self.slots.size();
-        plane.at((texel % size) as f32, (texel / size) as f32)
+    pub fn value(&self, map: usize, texel: u32, triangle: u32, at_vertices: [f32; 3]) -> f32 {
+        let plane = self.setups[map * self.count + triangle as usize].0.exact_plane(at_vertices);
+        let [x, y] = self.place(map, texel);
+        plane.at(x, y)
     }
 
-    /// Of each slot the nearest surface over its texel and the second nearest, as a depth test LESS into
-    /// a buffer cleared to 1 would meet them: of equal codes the first drawn wins. Bit for bit what
-    /// [`super::draw`] writes. `found` is called with the place in `slots`.
+    /// Of each slot the nearest surface over its texel and the second nearest, as the pass' depth test
+    /// would meet them: of equal codes the first drawn wins. Bit for bit what [`super::draw`] writes.
+    /// `found` is called with the place in `slots`.
     pub fn resolve(
         &self,
         slots: &[u32],
         pass: &Resolve<'_>,
         mut found: impl FnMut(usize, [Option<Layer>; 2]),
     ) {
-        let key_of = depth_key(&self.device, pass.depth_buffer);
-        let (clear, planes) = (key_of(1.0), self.planes(pass));
+        let layout = self.slots.layout();
+        let key_of = depth_key(&self.device, pass.depth_buffer, layout.reversed());
+        let (clear, planes) = (key_of(layout.cleared()), self.planes(pass));
         for (k, &slot) in slots.iter().enumerate() {
             let range =
                 self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
-            let (texel, size) = (self.slots.texel(slot as usize), self.slots.size());
-            let at = [texel % size, texel / size].map(|c| c as f32);
+            let over = &self.found[range];
+            // A texel belongs to one map.
+            let map = over.first().map_or(0, |&id| id as usize / self.count);
+            let at = self.place(map, self.slots.texel(slot as usize));
             let mut layers: [Option<(u32, Layer)>; 2] = [None; 2];
-            for &triangle in &self.triangles[range] {
-                let Some((front, plane)) = &planes[triangle as usize] else { continue };
+            for &id in over {
+                let Some((front, plane)) = &planes[id as usize] else { continue };
+                let triangle = (id as usize - map * self.count) as u32;
                 let z = plane.row(at[1]).at(at[0]);
-                let z = pass.write.map_or(z, |write| write(*front, z));
+                let z = pass.write.map_or(z, |write| write(map, *front, z));
                 let depth = if self.device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z };
                 let (key, layer) = (key_of(depth), Layer { depth, triangle });
                 let before = |kept: &Option<(u32, Layer)>| kept.is_none_or(|(k, _)| key < k);

@@ -4,23 +4,25 @@ use super::{NO_TRIANGLE, Pass, Raster, Setup, depth_key};
 use crate::device::Device;
 use glam::Vec4;
 
-/// Draws triangles in order with depth test LESS into a buffer cleared to 1.
+/// Draws triangles in order with depth test LESS into a buffer cleared to 1; GREATER and 0 under reversed
+/// depth.
 #[must_use]
 pub fn draw_each(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
     let [width, height] = pass.size;
     let texels = width as usize * height as usize;
     let mut raster = Raster {
         size: pass.size,
-        depth: vec![1.0; texels],
+        depth: vec![pass.clip.cleared(); texels],
         triangle: vec![NO_TRIANGLE; texels],
         empty_triangles: 0,
     };
-    let key_of = depth_key(device, pass.depth_buffer);
-    let mut keys = vec![key_of(1.0); texels];
+    let key_of = depth_key(device, pass.depth_buffer, pass.clip.reversed);
+    let mut keys = vec![key_of(pass.clip.cleared()); texels];
     for (id, t) in triangles.iter().enumerate() {
-        let setup = Setup::new(device, pass.size, t.map(|v| clip[v as usize]));
-        let depth = setup.depth.moved(setup.offset(device, pass.depth_buffer, pass.offset));
-        let drawn = setup.cover(device, pass.size, pass.cull, |y, first, end| {
+        let corners = t.map(|v| clip[v as usize]);
+        let setup = Setup::in_space(device, pass.size, pass.clip, corners);
+        let depth = setup.offset_depth(device, pass.depth_buffer, pass.offset);
+        let drawn = setup.cover(device, pass.size, pass.screen_cull(), |y, first, end| {
             let row = depth.row(y as f32);
             let start = y as usize * width as usize;
             for x in first..end {

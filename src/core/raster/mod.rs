@@ -28,6 +28,7 @@ use crate::scene::Cull;
 pub use crate::scene::NO_TRIANGLE;
 use crate::shadow::Drawn;
 pub use crate::shadow::bias::PolygonOffset;
+use crate::view::ClipSpace;
 pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
 pub use literal::draw_each;
@@ -46,8 +47,22 @@ pub struct Pass {
     pub cull: Cull,
     /// Format of the depth attachment whose codes are compared.
     pub depth_buffer: DepthFormat,
-    /// Caster-side offset.
+    /// Caster-side offset; positive moves away from the light in any clip space.
     pub offset: PolygonOffset,
+    /// The conventions of the vertices' clip space.
+    pub clip: ClipSpace,
+}
+
+impl Pass {
+    /// The faces left out by their turn on the screen, which is another where y looks down.
+    #[must_use]
+    pub fn screen_cull(&self) -> Cull {
+        match (self.cull, self.clip.y_down) {
+            (Cull::Front, true) => Cull::Back,
+            (Cull::Back, true) => Cull::Front,
+            (cull, _) => cull,
+        }
+    }
 }
 
 /// What a pass wrote, row by row from the bottom.
@@ -55,7 +70,7 @@ pub struct Pass {
 pub struct Raster {
     /// Width and height.
     pub size: [u32; 2],
-    /// `gl_FragCoord.z` of the winning fragment; 1 where there is none.
+    /// `gl_FragCoord.z` of the winning fragment; where there is none 1, or 0 under reversed depth.
     pub depth: Vec<f32>,
     /// Its triangle, or [`NO_TRIANGLE`].
     pub triangle: Vec<u32>,
@@ -76,14 +91,21 @@ impl Raster {
 pub struct Setup {
     projected: Projected,
     depth: Plane,
+    clip: ClipSpace,
 }
 
 impl Setup {
-    /// Projects, snaps and sets up one triangle.
+    /// Projects, snaps and sets up one triangle in OpenGL's clip space.
     #[must_use]
     pub fn new(device: &Device, size: [u32; 2], corners: [Vec4; 3]) -> Self {
-        let projected = Projected::new(device, size, corners);
-        Self { projected, depth: plane::depth_plane(device, &projected) }
+        Self::in_space(device, size, ClipSpace::OPENGL, corners)
+    }
+
+    /// The same in any clip space.
+    #[must_use]
+    pub fn in_space(device: &Device, size: [u32; 2], clip: ClipSpace, corners: [Vec4; 3]) -> Self {
+        let projected = Projected::new(device, size, clip.range, corners);
+        Self { projected, depth: plane::depth_plane(device, &projected), clip }
     }
 
     /// The window depth plane, without offset.
@@ -109,7 +131,8 @@ impl Setup {
         if device.offset_unit == OffsetUnit::Measured {
             return plane::measured_reference(&self.projected);
         }
-        let depths = self.projected.clip.map(|v| (v.z / v.w * 0.5 + 0.5).abs());
+        let scale = self.clip.range.scale();
+        let depths = self.projected.clip.map(|v| (v.z / v.w * scale + (1.0 - scale)).abs());
         depths.into_iter().fold(0.0, f32::max)
     }
 
@@ -120,7 +143,7 @@ impl Setup {
         device.resolvable(format, self.reference_depth(device))
     }
 
-    /// The offset of this triangle in a depth buffer of `format`, f32.
+    /// The offset of this triangle in a depth buffer of `format`, f32; positive away from the light.
     #[must_use]
     pub fn offset(&self, device: &Device, format: DepthFormat, offset: PolygonOffset) -> f32 {
         if offset.factor == 0.0 && offset.units == 0.0 {
@@ -129,10 +152,23 @@ impl Setup {
         offset.value(self.max_slope(device), self.resolvable(device, format))
     }
 
-    /// Whether the triangle's front is seen (counter-clockwise on the screen).
+    /// The window depth plane under an offset, which lowers reversed depths.
+    #[must_use]
+    #[inline(always)]
+    pub fn offset_depth(
+        &self,
+        device: &Device,
+        format: DepthFormat,
+        offset: PolygonOffset,
+    ) -> Plane {
+        self.depth.moved(self.clip.compared(self.offset(device, format, offset)))
+    }
+
+    /// Whether the triangle's front is seen: counter-clockwise on a screen whose y looks up.
     #[must_use]
     pub fn is_front(&self) -> bool {
-        self.projected.area() > 0
+        let area = self.projected.area();
+        if self.clip.y_down { area < 0 } else { area > 0 }
     }
 
     /// The plane of a quantity over w, given at the three vertices, evaluated in f64.
@@ -176,9 +212,11 @@ impl Setup {
     }
 }
 
-/// The value that the depth test compares: the stored code of a fragment's depth (monotone in it).
-fn depth_key(device: &Device, format: DepthFormat) -> impl Fn(f32) -> u32 {
+/// The value that the depth test compares, the least wins: the stored code of a fragment's depth
+/// (monotone in it), or all bits of that turned under reversed depth.
+fn depth_key(device: &Device, format: DepthFormat, reversed: bool) -> impl Fn(f32) -> u32 {
     let format = device.depth_format(format);
     let device = *device;
-    move |z| format.encode_with(device.store, device.flush(z))
+    let turned = if reversed { u32::MAX } else { 0 };
+    move |z| format.encode_with(device.store, device.flush(z)) ^ turned
 }

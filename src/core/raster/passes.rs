@@ -1,10 +1,12 @@
 //! A case on a device: its map pass and its camera pass, ready to be looked up pixel by pixel.
 
-use super::{Interpolator, Pass, PolygonOffset, Projected, Raster, Setup, draw};
+use super::{Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, Setup, draw};
 use crate::depth::DepthFormat;
 use crate::device::Device;
-use crate::scene::{Case, MatrixChain, Stages};
-use crate::shadow::ShadowMap;
+use crate::light::{Layout, Lens, Light, Lookup, Place};
+use crate::scene::{Case, Cull, MatrixChain, Stages};
+use crate::shadow::{Drawn, Few, ShadowMap};
+use crate::view::{ClipRange, ClipSpace};
 use glam::{DVec3, Vec4};
 
 /// Vertices of all objects after the subject's f32 transforms, and the triangles over them.
@@ -12,36 +14,113 @@ use glam::{DVec3, Vec4};
 pub struct Transformed {
     /// Camera clip space.
     pub camera_clip: Vec<Vec4>,
-    /// Map clip space.
-    pub light_clip: Vec<Vec4>,
-    /// The varying from which look-ups start.
-    pub light_coord: Vec<Vec4>,
+    /// What each map of the light makes of them.
+    pub maps: Vec<MapVertices>,
     /// Triangles of all objects in drawing order; the index is the triangle id.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Vertices of all objects under one map.
+#[derive(Clone, Debug, Default)]
+pub struct MapVertices {
+    /// Map clip space.
+    pub clip: Vec<Vec4>,
+    /// The varying from which look-ups start.
+    pub coord: Vec<Vec4>,
 }
 
 impl Transformed {
     /// Sends every vertex of the case through `chain`.
     #[must_use]
     pub fn new(case: &Case, chain: MatrixChain, device: &Device) -> Self {
+        let maps = case.light.maps();
         let mut out = Self {
             camera_clip: Vec::new(),
-            light_clip: Vec::new(),
-            light_coord: Vec::new(),
+            maps: vec![MapVertices::default(); maps.len()],
             triangles: Vec::new(),
         };
         for object in &case.objects {
             let first = out.camera_clip.len() as u32;
-            let stages = chain.stages(device, &object.matrices, &object.model);
-            for p in &object.mesh.positions {
-                let p_model = p.extend(1.0);
-                out.camera_clip.push(Stages::apply(device, &stages.camera_clip, p_model));
-                out.light_clip.push(Stages::apply(device, &stages.light_clip, p_model));
-                out.light_coord.push(Stages::apply(device, &stages.light_coord, p_model));
+            let through = |stages: &[_]| {
+                let send = |p: &glam::Vec3| Stages::apply(device, stages, p.extend(1.0));
+                object.mesh.positions.iter().map(send).collect::<Vec<Vec4>>()
+            };
+            let matrices = |map| object.matrices(chain, map, &case.camera);
+            for (map, vertices) in maps.iter().zip(&mut out.maps) {
+                let stages = matrices(map).stages(device, &object.model);
+                vertices.clip.extend(through(&stages.light_clip));
+                vertices.coord.extend(through(&stages.light_coord));
+                if out.camera_clip.len() == first as usize {
+                    // The camera's matrices are the same beside every map.
+                    out.camera_clip.extend(through(&stages.camera_clip));
+                }
             }
             out.triangles.extend(object.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
         }
         out
+    }
+}
+
+/// How the casters are drawn into all maps of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapPass {
+    /// Faces left out.
+    pub cull: Cull,
+    /// Format of the depth attachment whose codes are compared.
+    pub depth_buffer: DepthFormat,
+    /// Caster-side offset.
+    pub offset: PolygonOffset,
+}
+
+/// What the passes of all maps of a light wrote, their texels in one row ([`Layout`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRaster {
+    /// Where each map's texels lie.
+    pub layout: Layout,
+    /// Window depth of the winning fragment; the cleared one where there is none.
+    pub depth: Vec<f32>,
+    /// Its triangle, or [`NO_TRIANGLE`].
+    pub triangle: Vec<u32>,
+}
+
+impl MapRaster {
+    /// What a map is stored from.
+    #[must_use]
+    pub fn drawn(&self) -> Drawn<'_> {
+        Drawn { depth: &self.depth, triangle: &self.triangle }
+    }
+
+    /// Draws the casters into every map of a light.
+    #[must_use]
+    pub fn draw(
+        light: &Light,
+        layout: Layout,
+        device: &Device,
+        vertices: &Transformed,
+        MapPass { cull, depth_buffer, offset }: MapPass,
+    ) -> Self {
+        let maps = light.maps().iter().zip(layout.rects()).zip(&vertices.maps);
+        let mut drawn = maps.map(|((map, rect), vertices_of)| {
+            let pass = Pass { size: rect.size, cull, depth_buffer, offset, clip: map.clip };
+            (rect, draw(device, &pass, &vertices_of.clip, &vertices.triangles))
+        });
+        if layout.only().is_some() {
+            let rasters = drawn.next().map(|(_, raster)| (raster.depth, raster.triangle));
+            let (depth, triangle) = rasters.unwrap_or_default();
+            return Self { depth, triangle, layout };
+        }
+        let mut depth = vec![layout.cleared(); layout.texels()];
+        let mut triangle = vec![NO_TRIANGLE; layout.texels()];
+        for (rect, raster) in drawn {
+            let width = rect.size[0] as usize;
+            let rows = raster.depth.chunks(width).zip(raster.triangle.chunks(width));
+            for (y, (depths, triangles)) in rows.enumerate() {
+                let first = rect.texel(0, y as u32) as usize;
+                depth[first..first + width].copy_from_slice(depths);
+                triangle[first..first + width].copy_from_slice(triangles);
+            }
+        }
+        Self { depth, triangle, layout }
     }
 }
 
@@ -51,21 +130,16 @@ pub fn map_depth_buffer(case: &Case) -> DepthFormat {
     case.map.attachment()
 }
 
-/// Draws the case's casters into its map under a given depth attachment.
+/// Draws the case's casters into its maps under a given depth attachment.
 #[must_use]
 pub fn draw_map(
     case: &Case,
     device: &Device,
     vertices: &Transformed,
     depth_buffer: DepthFormat,
-) -> Raster {
-    let pass = Pass {
-        size: [case.map.size; 2],
-        cull: case.map.cull,
-        depth_buffer,
-        offset: PolygonOffset::default(),
-    };
-    draw(device, &pass, &vertices.light_clip, &vertices.triangles)
+) -> MapRaster {
+    let pass = MapPass { cull: case.map.cull, depth_buffer, offset: PolygonOffset::default() };
+    MapRaster::draw(&case.light, case.layout(), device, vertices, pass)
 }
 
 /// A case drawn on a device.
@@ -77,9 +151,9 @@ pub struct Subject<'a> {
     pub device: Device,
     /// Transformed vertices.
     pub vertices: Transformed,
-    /// The map pass as rasterised, under the case's own depth attachment.
-    pub map_raster: Raster,
-    /// The map as stored.
+    /// The map passes as rasterised, under the case's own depth attachment.
+    pub map_raster: MapRaster,
+    /// The maps as stored.
     pub map: ShadowMap,
     /// The camera pass.
     pub canvas: Raster,
@@ -91,7 +165,7 @@ impl<'a> Subject<'a> {
     pub fn draw(case: &'a Case, device: &Device) -> Self {
         let vertices = Transformed::new(case, case.chain, device);
         let map_raster = draw_map(case, device, &vertices, map_depth_buffer(case));
-        let map = ShadowMap::store(device, &case.map, map_raster.drawn());
+        let map = ShadowMap::store(device, &case.map, &map_raster.layout, map_raster.drawn());
         let canvas = draw_canvas(case, device, &vertices, DepthFormat::Unorm24);
         Self { case, device: *device, vertices, map_raster, map, canvas }
     }
@@ -110,29 +184,50 @@ impl<'a> Subject<'a> {
         Setup::new(&self.device, self.canvas.size, clip)
     }
 
-    /// The set-up of a triangle as the light sees it in a map of `size`² texels.
+    /// The set-up of a triangle as a map of a layout sees it.
     #[must_use]
-    pub fn map_setup(&self, triangle: u32, size: u32) -> Setup {
+    pub fn map_setup(&self, triangle: u32, map: usize, layout: &Layout) -> Setup {
         let corners = self.vertices.triangles[triangle as usize];
-        let clip = corners.map(|v| self.vertices.light_clip[v as usize]);
-        Setup::new(&self.device, [size; 2], clip)
+        let clip = corners.map(|v| self.vertices.maps[map].clip[v as usize]);
+        let space = self.case.light.maps()[map].clip;
+        Setup::in_space(&self.device, layout.rect(map).size, space, clip)
     }
 
-    /// What the camera pass interpolates over a triangle: the varying from which look-ups start.
+    /// What the camera pass interpolates over a triangle: for each map the varying from which look-ups
+    /// start.
     #[must_use]
     pub fn interpolator(&self, triangle: u32) -> Interpolator {
         let corners = self.vertices.triangles[triangle as usize];
         let clip = corners.map(|v| self.vertices.camera_clip[v as usize]);
-        let projected = Projected::new(&self.device, self.canvas.size, clip);
-        let varying = corners.map(|v| self.vertices.light_coord[v as usize]);
-        Interpolator::new(&self.device, &projected, varying)
+        let range = ClipRange::MinusOneToOne;
+        let projected = Projected::new(&self.device, self.canvas.size, range, clip);
+        let varying = |map: &MapVertices| corners.map(|v| map.coord[v as usize]);
+        Interpolator::new(&self.device, &projected, self.vertices.maps.iter().map(varying))
     }
 
-    /// Map coordinates u, v and depth z that the fragment of `triangle` at a pixel computes.
+    /// Map coordinates u, v and compared depth z that the fragment of a triangle at a pixel computes in
+    /// each map.
     #[must_use]
-    pub fn coordinate(&self, triangle: u32, px: u32, py: u32) -> [f32; 3] {
-        let varying = self.interpolator(triangle).vector(px as f32, py as f32);
-        self.case.lookup.coord.apply(varying)
+    pub fn coordinates(&self, interpolator: &Interpolator, px: u32, py: u32) -> Few<[f32; 3]> {
+        let maps = self.case.light.maps().iter().enumerate();
+        let form = self.case.lookup.coord;
+        maps.map(|(k, map)| form.apply(interpolator.vector(k, px as f32, py as f32), map.clip))
+            .collect()
+    }
+
+    /// The exact matrices of each map.
+    #[must_use]
+    pub fn lenses(&self) -> Vec<Lens> {
+        let maps = self.case.light.maps().iter().zip(self.map_raster.layout.rects());
+        maps.map(|(map, rect)| Lens::new(map, rect.size)).collect()
+    }
+
+    /// The look-ups of a receiver whose map coordinates are given: what its choice takes.
+    #[must_use]
+    pub fn lookups(&self, position: DVec3, coords: &[[f32; 3]]) -> Few<Lookup> {
+        let view = &self.case.camera.view;
+        let view_depth = || (view.position - position).dot(view.backward()) as f32;
+        self.case.light.lookups(&Place { coords, view_depth: &view_depth })
     }
 
     /// Barycentric coordinates of a pixel centre on `triangle`, f64.
@@ -153,6 +248,7 @@ fn draw_canvas(
         cull: case.camera_cull,
         depth_buffer,
         offset: PolygonOffset::default(),
+        clip: ClipSpace::OPENGL,
     };
     draw(device, &pass, &vertices.camera_clip, &vertices.triangles)
 }

@@ -2,6 +2,7 @@
 
 use super::triangle::{self, Projected};
 use crate::device::{Device, PlaneSetup};
+use crate::shadow::Few;
 use glam::{DMat3, DVec3, Vec4};
 
 /// A quantity that is affine on the screen.
@@ -119,7 +120,8 @@ impl Row {
 pub(super) fn depth_plane(device: &Device, p: &Projected) -> Plane {
     match device.setup {
         PlaneSetup::Exact => {
-            let depth = p.clip.map(|v| f64::from(v.z) * 0.5 + f64::from(v.w) * 0.5);
+            let scale = f64::from(p.range.scale());
+            let depth = p.clip.map(|v| f64::from(v.z) * scale + f64::from(v.w) * (1.0 - scale));
             Plane::Exact { coefficients: p.homogeneous() * DVec3::from_array(depth) }
         }
         PlaneSetup::Measured => measured_depth(device, p),
@@ -132,11 +134,12 @@ fn measured_depth(device: &Device, p: &Projected) -> Plane {
     let z = p.clip.map(|v| v.z * (1.0 / v.w));
     let ([x1, y1], [x2, y2]) = (step(o, q), step(o, r));
     let (z1, z2) = (z[q] - z[o], z[r] - z[o]);
-    let d = 0.5 / (x1 * y2 - x2 * y1);
+    let scale = p.range.scale();
+    let d = scale / (x1 * y2 - x2 * y1);
     Plane::Measured {
         origin: origin(o),
         gradient: [(y2 * z1 - y1 * z2) * d, (x1 * z2 - x2 * z1) * d],
-        constant: z[o] * 0.5 + 0.5,
+        constant: z[o] * scale + (1.0 - scale),
         offset: 0.0,
     }
 }
@@ -160,7 +163,8 @@ fn measured_steps<'a>(
 pub(super) fn measured_reference(p: &Projected) -> f32 {
     let [o, q, r] = p.reference_order();
     let z = p.clip.map(|v| v.z * (1.0 / v.w));
-    let terms = [z[o], z[q] - z[o], z[r] - z[o]].map(|z| z * 0.5 + 0.5);
+    let scale = p.range.scale();
+    let terms = [z[o], z[q] - z[o], z[r] - z[o]].map(|z| z * scale + (1.0 - scale));
     terms.into_iter().fold(0.0, |m: f32, t| m.max(t.abs()))
 }
 
@@ -208,27 +212,33 @@ impl Varyings {
 }
 
 /// What a pass interpolates over one triangle, set up once for all its pixels: the receiver's own
-/// coordinates and a varying of four components. The same bits as [`Varyings::vector`].
-#[derive(Clone, Copy, Debug)]
+/// coordinates and varyings of four components. The same bits as [`Varyings::vector`].
+#[derive(Clone, Debug)]
 pub struct Interpolator {
     homogeneous: DMat3,
     reciprocal_w: Plane,
-    components: [Plane; 4],
+    components: Few<[Plane; 4]>,
 }
 
 impl Interpolator {
-    pub(super) fn new(device: &Device, p: &Projected, at_vertices: [Vec4; 3]) -> Self {
+    pub(super) fn new(
+        device: &Device,
+        p: &Projected,
+        varyings: impl Iterator<Item = [Vec4; 3]>,
+    ) -> Self {
         let homogeneous = p.homogeneous();
         let basis = match device.setup {
             PlaneSetup::Exact => Basis::Exact(homogeneous),
             PlaneSetup::Measured => measured_basis(device, p),
         };
-        let [a, b, c] = at_vertices;
-        let component = |i: usize| basis.plane([a[i], b[i], c[i]], false);
+        let components = |[a, b, c]: [Vec4; 3]| {
+            let component = |i: usize| basis.plane([a[i], b[i], c[i]], false);
+            [component(0), component(1), component(2), component(3)]
+        };
         Self {
             homogeneous,
             reciprocal_w: basis.plane([1.0; 3], true),
-            components: [component(0), component(1), component(2), component(3)],
+            components: varyings.map(components).collect(),
         }
     }
 
@@ -238,10 +248,10 @@ impl Interpolator {
         triangle::barycentrics(&self.homogeneous, f64::from(px), f64::from(py))
     }
 
-    /// The varying at a pixel centre.
+    /// The varying of that number at a pixel centre.
     #[must_use]
-    pub fn vector(&self, px: f32, py: f32) -> Vec4 {
-        let [x, y, z, w] = &self.components;
+    pub fn vector(&self, varying: usize, px: f32, py: f32) -> Vec4 {
+        let [x, y, z, w] = &self.components[varying];
         let component = |plane: &Plane| over_w(plane, &self.reciprocal_w, px, py);
         Vec4::new(component(x), component(y), component(z), component(w))
     }

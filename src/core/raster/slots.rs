@@ -1,31 +1,32 @@
 //! Chosen texels of a map, numbered row by row.
 
 use super::TexelSet;
+use crate::light::Layout;
 use rayon::prelude::*;
 
-/// Some texels of a square map; each has a slot.
+/// Some texels of a light's maps; each has a slot.
 #[derive(Debug)]
 pub struct Slots {
-    size: u32,
+    layout: Layout,
     set: TexelSet,
     /// The texel of each slot.
     texels: Vec<u32>,
 }
 
 impl Slots {
-    /// The texels of a map of `size`² that are wanted, in no order, each any number of times.
+    /// The texels that are wanted, in no order, each any number of times.
     #[must_use]
-    pub fn of(size: u32, wanted: impl ParallelIterator<Item = u32>) -> Self {
-        let mut set = TexelSet::new(size as usize * size as usize);
+    pub fn of(layout: Layout, wanted: impl ParallelIterator<Item = u32>) -> Self {
+        let mut set = TexelSet::new(layout.texels());
         wanted.for_each(|texel| set.insert(texel));
         set.count();
-        Self { size, texels: set.list(), set }
+        Self { layout, texels: set.list(), set }
     }
 
-    /// Texels per side of the map.
+    /// Where the maps' texels lie.
     #[must_use]
-    pub const fn size(&self) -> u32 {
-        self.size
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// The slot of a texel.

@@ -13,6 +13,12 @@ pub(super) trait Test: Copy {
     /// The codes of depths that are kept: what `DepthFormat::encode_with` makes of each.
     fn codes(&self, kept: [f32; BATCH]) -> [u32; BATCH];
 
+    /// The depth of pixels that nothing is drawn into.
+    #[inline(always)]
+    fn cleared(&self) -> f32 {
+        1.0
+    }
+
     /// The depths that are kept.
     #[inline(always)]
     fn kept(&self, mut z: [f32; BATCH]) -> [f32; BATCH] {
@@ -91,6 +97,31 @@ impl Test for PlainTest {
         let mut codes = [0; BATCH];
         for k in 0..BATCH {
             codes[k] = z[k].to_bits();
+        }
+        codes
+    }
+}
+
+/// A test that keeps the greater depth.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turned<T>(pub(super) T);
+
+impl<T: Test> Test for Turned<T> {
+    #[inline(always)]
+    fn clamps(&self) -> bool {
+        self.0.clamps()
+    }
+
+    #[inline(always)]
+    fn cleared(&self) -> f32 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn codes(&self, z: [f32; BATCH]) -> [u32; BATCH] {
+        let mut codes = self.0.codes(z);
+        for k in 0..BATCH {
+            codes[k] = !codes[k];
         }
         codes
     }

@@ -36,13 +36,14 @@ impl<T: Test> Tile<T> {
         Self { rows: vec![row; TILE[1] as usize], test }
     }
 
-    /// Depth 1 and no triangle everywhere.
+    /// The cleared depth and no triangle everywhere.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
-        let key = self.test.codes([1.0; BATCH])[0];
+        let cleared = self.test.cleared();
+        let key = self.test.codes([cleared; BATCH])[0];
         for row in &mut self.rows {
             row.keys.fill(key);
-            row.depth.fill(1.0f32.to_bits());
+            row.depth.fill(cleared.to_bits());
             row.triangle.fill(NO_TRIANGLE);
         }
     }

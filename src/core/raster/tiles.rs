@@ -7,7 +7,7 @@
 use super::batch::{self, Batch, FINEST};
 use super::bins::{Bins, Place, Scene, is_clipped, places};
 use super::plane::Plane;
-use super::test::{DepthTest, Test};
+use super::test::{DepthTest, Test, Turned};
 use super::tile::{Exact, Surface, TILE, Tile};
 use super::{Pass, Raster, draw_each};
 use crate::device::{Device, PlaneSetup};
@@ -106,9 +106,11 @@ impl Kernel for Band<'_> {
     fn run(self, _: bool) {
         let Scene { device, pass, .. } = self.scene;
         let test = DepthTest::new(device, pass.depth_buffer);
-        match test.plain() {
-            Some(plain) => self.paint(plain),
-            None => self.paint(test),
+        match (test.plain(), pass.clip.reversed) {
+            (Some(plain), false) => self.paint(plain),
+            (None, false) => self.paint(test),
+            (Some(plain), true) => self.paint(Turned(plain)),
+            (None, true) => self.paint(Turned(test)),
         }
     }
 }
@@ -124,7 +126,7 @@ impl Band<'_> {
             scene: self.scene,
             places: self.places,
             drawn: self.drawn,
-            batch: Batch::EMPTY,
+            batch: Batch::new(self.scene.pass.clip.range),
             tile,
             origin: [0, self.row as u32 * TILE[1]],
         };
@@ -230,7 +232,7 @@ impl<T: Test> Brush<'_, T> {
     fn plane(&self, id: u32) -> Option<Plane> {
         let Scene { device, pass, .. } = self.scene;
         let setup = self.scene.setup(id);
-        moved(setup.depth, setup.offset(device, pass.depth_buffer, pass.offset))
+        setup.depth.is_finite().then(|| setup.offset_depth(device, pass.depth_buffer, pass.offset))
     }
 
     /// First pixel and end along x and along y of what the tile holds of a triangle's box.
@@ -314,9 +316,11 @@ impl<T: Test> Brush<'_, T> {
     fn large(&mut self, id: u32) {
         let Scene { device, pass, .. } = self.scene;
         let setup = self.scene.setup(id);
-        let offset = setup.offset(device, pass.depth_buffer, pass.offset);
-        let Some(plane) = moved(setup.depth, offset) else { return };
-        let Some(outline) = setup.projected.outline(device, pass.cull) else { return };
+        if !setup.depth.is_finite() {
+            return;
+        }
+        let plane = setup.offset_depth(device, pass.depth_buffer, pass.offset);
+        let Some(outline) = setup.projected.outline(device, pass.screen_cull()) else { return };
         let window = [0, 1].map(|k| {
             let first = self.origin[k];
             [first, (first + TILE[k]).min(pass.size[k])]
@@ -338,10 +342,4 @@ impl<T: Test> Brush<'_, T> {
             }
         }
     }
-}
-
-/// The plane moved by a polygon offset; none where it is not finite before.
-#[inline(always)]
-fn moved(plane: Plane, by: f32) -> Option<Plane> {
-    plane.is_finite().then(|| plane.moved(by))
 }

@@ -3,6 +3,7 @@
 use super::clip;
 use crate::device::{Device, PlaneSetup};
 use crate::scene::Cull;
+use crate::view::ClipRange;
 use glam::{DMat3, DVec3, Vec4};
 
 /// A triangle whose vertices are snapped to the sub-pixel grid.
@@ -14,6 +15,8 @@ pub struct Projected {
     pub snapped: [[i64; 2]; 3],
     subpixel: i64,
     viewport: [u32; 2],
+    /// The range of z in clip space.
+    pub range: ClipRange,
 }
 
 /// Vertices beside a clipped one may project anywhere; beyond this their place no longer matters.
@@ -40,12 +43,18 @@ pub(super) fn snap(device: &Device, viewport: [u32; 2], v: Vec4) -> [i64; 2] {
 }
 
 impl Projected {
-    pub(super) fn new(device: &Device, viewport: [u32; 2], corners: [Vec4; 3]) -> Self {
+    pub(super) fn new(
+        device: &Device,
+        viewport: [u32; 2],
+        range: ClipRange,
+        corners: [Vec4; 3],
+    ) -> Self {
         Self {
             clip: corners,
             snapped: corners.map(|v| snap(device, viewport, v)),
             subpixel: 1 << device.subpixel_bits,
             viewport,
+            range,
         }
     }
 
@@ -119,8 +128,8 @@ impl Projected {
             return None;
         }
         let mut outline = Outline { points: [[0; 2]; 9], len: 0, subpixel: self.subpixel };
-        if clip::needs_clipping(&self.clip) {
-            for &v in clip::clip(&self.clip).corners() {
+        if clip::needs_clipping(&self.clip, self.range) {
+            for &v in clip::clip(&self.clip, self.range).corners() {
                 outline.push(snap(device, self.viewport, v));
             }
         } else {

@@ -2,10 +2,9 @@
 
 use crate::camera::Camera;
 use crate::device::Device;
-use crate::light::Light;
-use crate::view::uploaded_product;
+use crate::light::Map;
+use crate::view::{ClipRange, uploaded_product};
 use glam::{Mat4, Vec4};
-use std::collections::BTreeMap;
 
 crate::catalogue! {
     /// The documents' orders of multiplication.
@@ -23,8 +22,54 @@ crate::catalogue! {
     }
 }
 
-/// The uploaded f32 matrices by the names that `scene.json` gives them.
-pub type Matrices = BTreeMap<String, Mat4>;
+/// The f32 matrices that a program uploads for one object and one map, as its chain names them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Matrices {
+    /// Of [`MatrixChain::Combined`].
+    Combined {
+        /// Clip of the map from model.
+        light_mvp: Mat4,
+        /// Clip of the camera from model.
+        cam_mvp: Mat4,
+    },
+    /// Of [`MatrixChain::ModelView`].
+    ModelView {
+        /// Projection of the map.
+        light_p: Mat4,
+        /// View of the map from model.
+        light_mv: Mat4,
+        /// Projection of the camera.
+        cam_p: Mat4,
+        /// View of the camera from model.
+        cam_mv: Mat4,
+    },
+    /// Of [`MatrixChain::World`].
+    World {
+        /// Projection of the map.
+        light_p: Mat4,
+        /// View of the map from world.
+        light_v: Mat4,
+        /// Projection of the camera.
+        cam_p: Mat4,
+        /// View of the camera from world.
+        cam_v: Mat4,
+        /// [0,1] of the map from world.
+        texture: Mat4,
+    },
+    /// Of [`MatrixChain::BiasMatrix`] and its misprint.
+    Bias {
+        /// Projection of the map.
+        light_p: Mat4,
+        /// View of the map from world.
+        light_v: Mat4,
+        /// Projection of the camera.
+        cam_p: Mat4,
+        /// View of the camera from world.
+        cam_v: Mat4,
+        /// Constant in the shader: [0,1] from normalised device coordinates.
+        bias: Mat4,
+    },
+}
 
 /// The matrices that a vertex meets one after the other, in each of its three uses.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,15 +90,24 @@ impl Stages {
     }
 }
 
-/// ½ scale and ½ offset: NDC → [0,1]. `z_column` is the third column.
-fn bias_matrix(z_column: Vec4) -> Mat4 {
+/// ½ scale and ½ offset: NDC → [0,1]. `z` is the third column.
+fn bias_matrix(z: Vec4, range: ClipRange) -> Mat4 {
     let x = Vec4::new(0.5, 0.0, 0.0, 0.0);
     let y = Vec4::new(0.0, 0.5, 0.0, 0.0);
-    Mat4::from_cols(x, y, z_column, Vec4::new(0.5, 0.5, 0.5, 1.0))
+    let half = match range {
+        ClipRange::MinusOneToOne => 0.5,
+        ClipRange::ZeroToOne => 0.0,
+    };
+    Mat4::from_cols(x, y, z, Vec4::new(0.5, 0.5, half, 1.0))
 }
 
-fn sound_bias_matrix() -> Mat4 {
-    bias_matrix(Vec4::new(0.0, 0.0, 0.5, 0.0))
+/// A depth that is in [0,1] already stays.
+fn sound_bias_matrix(range: ClipRange) -> Mat4 {
+    let scale = match range {
+        ClipRange::MinusOneToOne => 0.5,
+        ClipRange::ZeroToOne => 1.0,
+    };
+    bias_matrix(Vec4::new(0.0, 0.0, scale, 0.0), range)
 }
 
 impl MatrixChain {
@@ -79,114 +133,138 @@ impl MatrixChain {
         }
     }
 
-    /// Names of the matrices that the chain needs.
-    #[must_use]
-    pub const fn names(self) -> &'static [&'static str] {
+    /// The matrix that the shader multiplies in front of the light's.
+    fn bias(self, range: ClipRange) -> Mat4 {
         match self {
-            Self::Combined => &["lightMVP", "camMVP"],
-            Self::ModelView => &["lightP", "lightMV", "camP", "camMV"],
-            Self::World => &["lightP", "lightV", "camP", "camV", "textureMatrix"],
-            Self::BiasMatrix | Self::BiasMatrixAsPrinted => &["lightP", "lightV", "camP", "camV"],
+            Self::BiasMatrixAsPrinted => bias_matrix(Vec4::new(0.0, 0.5, 0.0, 0.0), range),
+            Self::Combined | Self::ModelView | Self::World | Self::BiasMatrix => {
+                sound_bias_matrix(range)
+            }
         }
     }
 
     /// The uploaded matrices of one object: every stored matrix is f32, every product on the CPU is
-    /// formed in f64 from f32 factors and rounded once.
+    /// formed in f64 from f32 factors and rounded once. A map's matrix from outside stands for its
+    /// projection.
     #[must_use]
-    pub fn matrices(self, light: &Light, camera: &Camera, model: &Mat4) -> Matrices {
-        let light_p = light.projection.clip_from_view().as_mat4();
-        let light_v = light.view.view_from_world().as_mat4();
+    pub fn matrices(self, map: &Map, camera: &Camera, model: &Mat4) -> Matrices {
+        let [light_p, light_v] = map.matrices();
         let cam_p = camera.projection.clip_from_view().as_mat4();
         let cam_v = camera.view.view_from_world().as_mat4();
         let through = |p: &Mat4, v: &Mat4| uploaded_product(&uploaded_product(p, v), model);
-        let named: Vec<(&str, Mat4)> = match self {
-            Self::Combined => {
-                vec![("lightMVP", through(&light_p, &light_v)), ("camMVP", through(&cam_p, &cam_v))]
-            }
-            Self::ModelView => vec![
-                ("lightP", light_p),
-                ("lightMV", uploaded_product(&light_v, model)),
-                ("camP", cam_p),
-                ("camMV", uploaded_product(&cam_v, model)),
-            ],
+        match self {
+            Self::Combined => Matrices::Combined {
+                light_mvp: through(&light_p, &light_v),
+                cam_mvp: through(&cam_p, &cam_v),
+            },
+            Self::ModelView => Matrices::ModelView {
+                light_p,
+                light_mv: uploaded_product(&light_v, model),
+                cam_p,
+                cam_mv: uploaded_product(&cam_v, model),
+            },
             Self::World => {
-                let texture =
-                    uploaded_product(&uploaded_product(&sound_bias_matrix(), &light_p), &light_v);
-                vec![
-                    ("lightP", light_p),
-                    ("lightV", light_v),
-                    ("camP", cam_p),
-                    ("camV", cam_v),
-                    ("textureMatrix", texture),
-                ]
+                let bias = sound_bias_matrix(map.clip.range);
+                let texture = uploaded_product(&uploaded_product(&bias, &light_p), &light_v);
+                Matrices::World { light_p, light_v, cam_p, cam_v, texture }
             }
             Self::BiasMatrix | Self::BiasMatrixAsPrinted => {
-                vec![("lightP", light_p), ("lightV", light_v), ("camP", cam_p), ("camV", cam_v)]
+                let bias = self.bias(map.clip.range);
+                Matrices::Bias { light_p, light_v, cam_p, cam_v, bias }
             }
-        };
-        named.into_iter().map(|(name, m)| (name.to_string(), m)).collect()
+        }
     }
 
-    /// Puts a light's clip-from-world matrix, as an engine uploads it, into the matrices of an object.
-    pub fn set_light(self, matrices: &mut Matrices, clip_from_world: &Mat4, model: &Mat4) {
-        let mut set = |name: &str, m: Mat4| matrices.insert(name.to_string(), m);
-        match self {
+    /// The matrices of this chain in OpenGL's clip space, asked for by the names that `scene.json` gives
+    /// them.
+    ///
+    /// # Errors
+    /// The first that `get` returns.
+    pub fn read<E>(
+        self,
+        mut get: impl FnMut(&'static str) -> Result<Mat4, E>,
+    ) -> Result<Matrices, E> {
+        Ok(match self {
             Self::Combined => {
-                set("lightMVP", uploaded_product(clip_from_world, model));
+                Matrices::Combined { light_mvp: get("lightMVP")?, cam_mvp: get("camMVP")? }
             }
-            Self::ModelView => {
-                set("lightP", *clip_from_world);
-                set("lightMV", *model);
+            Self::ModelView => Matrices::ModelView {
+                light_p: get("lightP")?,
+                light_mv: get("lightMV")?,
+                cam_p: get("camP")?,
+                cam_mv: get("camMV")?,
+            },
+            Self::World => Matrices::World {
+                light_p: get("lightP")?,
+                light_v: get("lightV")?,
+                cam_p: get("camP")?,
+                cam_v: get("camV")?,
+                texture: get("textureMatrix")?,
+            },
+            Self::BiasMatrix | Self::BiasMatrixAsPrinted => Matrices::Bias {
+                light_p: get("lightP")?,
+                light_v: get("lightV")?,
+                cam_p: get("camP")?,
+                cam_v: get("camV")?,
+                bias: self.bias(ClipRange::MinusOneToOne),
+            },
+        })
+    }
+}
+
+impl Matrices {
+    /// The uploaded matrices by the names that `scene.json` gives them.
+    #[must_use]
+    pub fn named(&self) -> Vec<(&'static str, Mat4)> {
+        match *self {
+            Self::Combined { light_mvp, cam_mvp } => {
+                vec![("lightMVP", light_mvp), ("camMVP", cam_mvp)]
             }
-            Self::World => {
-                set("lightP", *clip_from_world);
-                set("lightV", Mat4::IDENTITY);
-                set("textureMatrix", uploaded_product(&sound_bias_matrix(), clip_from_world));
+            Self::ModelView { light_p, light_mv, cam_p, cam_mv } => {
+                vec![("lightP", light_p), ("lightMV", light_mv), ("camP", cam_p), ("camMV", cam_mv)]
             }
-            Self::BiasMatrix | Self::BiasMatrixAsPrinted => {
-                set("lightP", *clip_from_world);
-                set("lightV", Mat4::IDENTITY);
+            Self::World { light_p, light_v, cam_p, cam_v, texture } => vec![
+                ("lightP", light_p),
+                ("lightV", light_v),
+                ("camP", cam_p),
+                ("camV", cam_v),
+                ("textureMatrix", texture),
+            ],
+            Self::Bias { light_p, light_v, cam_p, cam_v, .. } => {
+                vec![("lightP", light_p), ("lightV", light_v), ("camP", cam_p), ("camV", cam_v)]
             }
         }
     }
 
     /// The shader's products, in the device's arithmetic.
-    ///
-    /// # Panics
-    /// If `matrices` lacks one of [`Self::names`]; constructors check that.
     #[must_use]
-    pub fn stages(self, device: &Device, matrices: &Matrices, model: &Mat4) -> Stages {
-        let m = |name: &str| matrices.get(name).expect("constructors check the chain's matrices");
+    pub fn stages(&self, device: &Device, model: &Mat4) -> Stages {
         let times = |a: &Mat4, b: &Mat4| device.mat_mat(a, b);
         match self {
-            Self::Combined => Stages {
-                camera_clip: vec![*m("camMVP")],
-                light_clip: vec![*m("lightMVP")],
-                light_coord: vec![*m("lightMVP")],
+            Self::Combined { light_mvp, cam_mvp } => Stages {
+                camera_clip: vec![*cam_mvp],
+                light_clip: vec![*light_mvp],
+                light_coord: vec![*light_mvp],
             },
-            Self::ModelView => {
-                let light = times(m("lightP"), m("lightMV"));
+            Self::ModelView { light_p, light_mv, cam_p, cam_mv } => {
+                let light = times(light_p, light_mv);
                 Stages {
-                    camera_clip: vec![times(m("camP"), m("camMV"))],
+                    camera_clip: vec![times(cam_p, cam_mv)],
                     light_clip: vec![light],
                     light_coord: vec![light],
                 }
             }
-            Self::World => Stages {
-                camera_clip: vec![*model, times(m("camP"), m("camV"))],
-                light_clip: vec![*model, times(m("lightP"), m("lightV"))],
-                light_coord: vec![*model, *m("textureMatrix")],
+            Self::World { light_p, light_v, cam_p, cam_v, texture } => Stages {
+                camera_clip: vec![*model, times(cam_p, cam_v)],
+                light_clip: vec![*model, times(light_p, light_v)],
+                light_coord: vec![*model, *texture],
             },
-            Self::BiasMatrix | Self::BiasMatrixAsPrinted => {
-                let bias = match self {
-                    Self::BiasMatrix => sound_bias_matrix(),
-                    _ => bias_matrix(Vec4::new(0.0, 0.5, 0.0, 0.0)),
-                };
-                let light_mv = times(m("lightV"), model);
+            Self::Bias { light_p, light_v, cam_p, cam_v, bias } => {
+                let light_mv = times(light_v, model);
                 Stages {
-                    camera_clip: vec![times(m("camP"), &times(m("camV"), model))],
-                    light_clip: vec![times(m("lightP"), &light_mv)],
-                    light_coord: vec![times(&times(&bias, m("lightP")), &light_mv)],
+                    camera_clip: vec![times(cam_p, &times(cam_v, model))],
+                    light_clip: vec![times(light_p, &light_mv)],
+                    light_coord: vec![times(&times(bias, light_p), &light_mv)],
                 }
             }
         }

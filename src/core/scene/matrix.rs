@@ -1,6 +1,6 @@
 //! A light from the matrix that an engine uploads: the view and projection that it must be made of.
 
-use crate::light::Light;
+use crate::light::{Choice, Light, Map};
 use crate::view::{Projection, View, length};
 use crate::{Error, Result};
 use glam::{DMat4, DVec3};
@@ -16,7 +16,8 @@ fn bad(reason: &str) -> Error {
     )
 }
 
-/// The light whose clip-from-world matrix this is, to within the rounding of an f32 matrix.
+/// The light whose clip-from-world matrix this is, to within the rounding of an f32 matrix. The subject
+/// uses the matrix itself, rounded to f32.
 ///
 /// # Errors
 /// [`Error::BadInput`] where it is singular, mirrored, skewed, off-centre or reversed.
@@ -48,11 +49,9 @@ pub fn light(clip_from_world: DMat4) -> Result<Light> {
         perspective([x, y, z, w], constants)?
     };
     let view = View { position, target: position + forward, up };
-    Ok(Light {
-        view: view.checked("--light-matrix")?,
-        projection: projection.checked("--light-matrix")?,
-        cone_cos: None,
-    })
+    let map = Map::new(view.checked("--light-matrix")?, projection.checked("--light-matrix")?)
+        .with_uploaded(clip_from_world.as_mat4());
+    Light::new(view, projection, None).with_maps(vec![map], Choice::Only)
 }
 
 /// The eye stands in the middle of the near plane.

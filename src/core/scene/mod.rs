@@ -9,7 +9,7 @@ pub mod texel;
 
 use crate::camera::Camera;
 use crate::device::DeviceProfile;
-use crate::light::Light;
+use crate::light::{Layout, Light, Map};
 pub use chain::{Matrices, MatrixChain, Stages};
 use glam::{DVec3, Mat4, Vec3};
 pub use pipeline::{CompareRule, CoordForm, Cull, Filter, LookupSpec, MapSpec, Wrap};
@@ -46,7 +46,7 @@ impl Geometry {
     }
 }
 
-/// One mesh with its place in the world and its matrices.
+/// One mesh with its place in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// What reports call it.
@@ -55,8 +55,45 @@ pub struct Object {
     pub mesh: Mesh,
     /// World from model, f32 as uploaded.
     pub model: Mat4,
-    /// The f32 matrices that the case's chain uses.
-    pub matrices: Matrices,
+    uploaded: Option<Box<Uploaded>>,
+}
+
+/// Matrices that came from outside and what they stand for.
+#[derive(Clone, Debug, PartialEq)]
+struct Uploaded {
+    matrices: Matrices,
+    of: (Map, Camera, Mat4),
+}
+
+impl Object {
+    /// A mesh in the world; its matrices are formed where a case is drawn.
+    #[must_use]
+    pub fn new(name: impl Into<String>, mesh: Mesh, model: Mat4) -> Self {
+        Self { name: name.into(), mesh, model, uploaded: None }
+    }
+
+    /// The same object with matrices from outside, as a program uploads them for this map and camera; they
+    /// hold as long as these and the model matrix stay what they are.
+    #[must_use]
+    pub fn with_uploaded(mut self, matrices: Matrices, map: &Map, camera: &Camera) -> Self {
+        let of = (*map, *camera, self.model);
+        self.uploaded = Some(Box::new(Uploaded { matrices, of }));
+        self
+    }
+
+    /// The f32 matrices of this object under a chain, a map and a camera: formed from them, unless those
+    /// from outside still stand for them and have all that the chain asks for.
+    #[must_use]
+    pub fn matrices(&self, chain: MatrixChain, map: &Map, camera: &Camera) -> Matrices {
+        let of = (*map, *camera, self.model);
+        let outside = self.uploaded.as_deref().filter(|u| u.of == of).and_then(|uploaded| {
+            let named = uploaded.matrices.named();
+            let get =
+                |name: &str| named.iter().find(|(n, _)| *n == name).map(|(_, m)| *m).ok_or(());
+            chain.read(get).ok()
+        });
+        outside.unwrap_or_else(|| chain.matrices(map, camera, &self.model))
+    }
 }
 
 crate::catalogue! {
@@ -93,7 +130,7 @@ pub struct Case {
     pub document: String,
     /// Everything that is drawn; all objects cast and receive.
     pub objects: Vec<Object>,
-    /// The light with the map.
+    /// The light with its maps.
     pub light: Light,
     /// The camera whose pixels are the receivers.
     pub camera: Camera,
@@ -101,9 +138,9 @@ pub struct Case {
     pub canvas: [u32; 2],
     /// How matrices multiply.
     pub chain: MatrixChain,
-    /// How the map is drawn.
+    /// How the light's maps are drawn and kept.
     pub map: MapSpec,
-    /// How it is looked up.
+    /// How they are looked up.
     pub lookup: LookupSpec,
     /// Faces that the camera pass leaves out.
     pub camera_cull: Cull,
@@ -120,6 +157,12 @@ pub struct Case {
 }
 
 impl Case {
+    /// Where the texels of the light's maps lie.
+    #[must_use]
+    pub fn layout(&self) -> Layout {
+        self.light.layout(self.map.size)
+    }
+
     /// World-space triangles of all objects, in drawing order.
     #[must_use]
     pub fn geometry(&self) -> Geometry {

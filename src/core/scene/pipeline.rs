@@ -2,6 +2,7 @@
 
 use super::texel::{DepthBuffer, TexelFormat};
 use crate::depth::DepthFormat;
+use crate::view::{ClipRange, ClipSpace};
 
 crate::catalogue! {
     /// The f32 form in which a shader turns the interpolated light position into map coordinates
@@ -17,14 +18,20 @@ crate::catalogue! {
 }
 
 impl CoordForm {
-    /// Map coordinates u, v and depth z, each operation rounded to f32.
+    /// Map coordinates u, v and compared depth z ([`ClipSpace::compared`]), each operation rounded to f32.
+    /// Where z/w is a window depth already, it is neither halved nor moved.
     #[must_use]
-    pub fn apply(self, p: glam::Vec4) -> [f32; 3] {
-        [p.x, p.y, p.z].map(|x| match self {
+    pub fn apply(self, p: glam::Vec4, clip: ClipSpace) -> [f32; 3] {
+        let halved = |x: f32| match self {
             Self::DivideHalveAdd => (x / p.w) / 2.0 + 0.5,
             Self::HalveDivideAdd => (0.5 * x) / p.w + 0.5,
             Self::Divide => x / p.w,
-        })
+        };
+        let depth = match clip.range {
+            ClipRange::MinusOneToOne => halved(p.z),
+            ClipRange::ZeroToOne => p.z / p.w,
+        };
+        [halved(p.x), halved(p.y), clip.compared(depth)]
     }
 }
 
@@ -180,14 +187,15 @@ crate::catalogue! {
     }
 }
 
-/// How the shadow map is drawn and kept.
+/// How a light's maps are drawn and kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSpec {
-    /// Texels per side.
+    /// Texels along the longest side of a whole texture, of which each map has its part
+    /// ([`Viewport`](crate::light::Viewport)).
     pub size: u32,
     /// What a texel holds.
     pub texel: TexelFormat,
-    /// Clear colour of a packed map in [0,1] (depth textures clear to 1).
+    /// Clear colour of a packed map in [0,1] (depth textures clear to 1, reversed ones to 0).
     pub clear: [f32; 4],
     /// The pass' depth attachment.
     pub depth_buffer: DepthBuffer,

@@ -5,22 +5,23 @@ use super::sampling::Sampling;
 use super::{Few, ShadowMap, sampler};
 use crate::depth::Packing;
 use crate::device::{Device, NearestCoord};
-use crate::scene::{Filter, TexelFormat, Wrap};
+use crate::light::Lookup;
+use crate::scene::{CompareRule, Filter, LookupSpec, TexelFormat, Wrap};
 
-/// Texels of a map, read one by one: a stored map, or one that is encoded as it is read.
+/// Texels of maps, read one by one: stored ones, or ones that are encoded as they are read.
 pub trait Texels {
-    /// Texels per side.
-    fn size(&self) -> u32;
     /// What a texel holds.
     fn format(&self) -> TexelFormat;
-    /// The depth that a NEAREST look-up of a texel returns to the comparison.
+    /// Whether window depths are the largest near the light.
+    fn reversed(&self) -> bool;
+    /// The compared depth that a NEAREST look-up of a texel returns.
     fn depth(&self, device: &Device, texel: usize) -> f32;
     /// The bytes of a texel of a packed map.
     fn bytes(&self, texel: usize) -> Option<[u8; 4]>;
 }
 
-/// The depths that one look-up compares, and the texels that each was made of: one of one for
-/// NEAREST, one of four for LINEAR, nine of one for 3×3 PCF.
+/// The depths that a receiver compares, and the texels that each was made of: one of one for NEAREST,
+/// one of four for LINEAR, nine of one for 3×3 PCF; those of a second map after those of the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taps {
     depths: Few<f32>,
@@ -28,6 +29,16 @@ pub struct Taps {
     texels_per_tap: usize,
     /// Weights that add up to 1; empty where all taps weigh the same.
     weights: Vec<f64>,
+    /// Where the taps of each look-up end, its map, and the receiver depth that they are compared with.
+    runs: Few<Run>,
+}
+
+/// The taps of one look-up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Run {
+    end: usize,
+    map: usize,
+    z: f32,
 }
 
 impl Taps {
@@ -41,6 +52,31 @@ impl Taps {
     #[must_use]
     pub fn texels(&self, i: usize) -> &[u32] {
         &self.texels[i * self.texels_per_tap..(i + 1) * self.texels_per_tap]
+    }
+
+    fn run(&self, i: usize) -> &Run {
+        match &*self.runs {
+            [only] => only,
+            runs => runs.iter().find(|run| i < run.end).unwrap_or(&runs[runs.len() - 1]),
+        }
+    }
+
+    /// The receiver depth that tap `i` compares; −∞ where the range test lights it without a look.
+    #[must_use]
+    pub fn z(&self, i: usize) -> f32 {
+        self.run(i).z
+    }
+
+    /// The map that tap `i` reads.
+    #[must_use]
+    pub fn map(&self, i: usize) -> usize {
+        self.run(i).map
+    }
+
+    /// Whether a rule lights tap `i`.
+    #[must_use]
+    pub fn is_lit(&self, rule: CompareRule, i: usize, bias: f32) -> bool {
+        rule.is_lit(self.z(i), self.depths[i], bias)
     }
 
     /// The tap in the middle, or the heaviest where weights differ.
@@ -64,32 +100,74 @@ impl Taps {
             Some(weights) => lit.map(|i| weights[i]).sum(),
         }
     }
+
+    /// The taps of a second look-up after these, each by its weight.
+    fn mixed_with(mut self, mut other: Self, weights: [f64; 2]) -> Self {
+        for (taps, weight) in [(&mut self, weights[0]), (&mut other, weights[1])] {
+            let even = 1.0 / taps.depths.len() as f64;
+            taps.weights.resize(taps.depths.len(), even);
+            taps.weights.iter_mut().for_each(|w| *w *= weight);
+        }
+        let before = self.depths.len();
+        let later = |run: &Run| Run { end: run.end + before, ..*run };
+        self.runs = self.runs.iter().copied().chain(other.runs.iter().map(later)).collect();
+        self.depths = self.depths.iter().chain(&*other.depths).copied().collect();
+        self.texels = self.texels.iter().chain(&*other.texels).copied().collect();
+        self.weights.extend(other.weights);
+        self
+    }
 }
 
 impl ShadowMap {
-    /// Reads the map at (u, v).
+    /// Reads what a receiver's look-ups ask for. Of two that are mixed, one outside its map's square is lit
+    /// by the range test alone; of one alone the caller sees to it ([`super::visibility`]).
+    ///
+    /// # Panics
+    /// Without a look-up.
     #[must_use]
-    pub fn taps(&self, device: &Device, filter: Filter, wrap: Wrap, u: f32, v: f32) -> Taps {
-        if filter == Filter::Nearest {
-            let texel = self.nearest(device, wrap, u, v);
+    pub fn taps(&self, device: &Device, spec: &LookupSpec, lookups: &[Lookup]) -> Taps {
+        let outside = |l: &Lookup| spec.range_test && !super::in_square(l.coord);
+        match lookups {
+            [only] => self.taps_of(device, spec, only),
+            [first, second, ..] => {
+                let taps = |l: &Lookup| {
+                    let [u, v, z] = l.coord;
+                    let z = if outside(l) { f32::NEG_INFINITY } else { z };
+                    self.taps_of(device, spec, &Lookup { coord: [u, v, z], ..*l })
+                };
+                taps(first).mixed_with(taps(second), [first.weight, second.weight])
+            }
+            [] => unreachable!("every choice takes a map"),
+        }
+    }
+
+    fn taps_of(&self, device: &Device, spec: &LookupSpec, lookup: &Lookup) -> Taps {
+        let Lookup { map, coord: [u, v, z], .. } = *lookup;
+        if spec.filter == Filter::Nearest {
+            let texel = self.nearest(device, spec.wrap, lookup);
             return Taps {
                 depths: Few::One(self.depth(device, texel as usize)),
                 texels: Few::One(texel),
                 texels_per_tap: 1,
                 weights: Vec::new(),
+                runs: Few::One(Run { end: 1, map, z }),
             };
         }
         let fixed = fixed_coordinates(device, self.format());
-        let sampling = Sampling { filter, wrap, size: self.size(), fixed };
-        read(self, device, &Footprints::new(sampling, false).only([u, v]))
+        let sampling = Sampling { filter: spec.filter, wrap: spec.wrap, fixed };
+        let mut footprints = Footprints::new(sampling, false);
+        let taps = read(self, device, &footprints.only(self.layout().rect(map), [u, v]));
+        Taps { runs: Few::One(Run { end: taps.depths.len(), map, z }), ..taps }
     }
 
-    /// Index of the texel that NEAREST picks.
+    /// Number of the texel that NEAREST picks.
     #[must_use]
-    pub fn nearest(&self, device: &Device, wrap: Wrap, u: f32, v: f32) -> u32 {
+    pub fn nearest(&self, device: &Device, wrap: Wrap, lookup: &Lookup) -> u32 {
         let fixed = fixed_coordinates(device, self.format());
-        let axis = |c: f32| sampler::nearest_texel(c, self.size(), wrap, fixed);
-        axis(v) * self.size() + axis(u)
+        let rect = self.layout().rect(lookup.map);
+        let [u, v] = rect.in_texture([lookup.coord[0], lookup.coord[1]]);
+        let axis = |c: f32, size: u32| sampler::nearest_texel(c, size, wrap, fixed);
+        rect.first + axis(v, rect.texture[1]) * rect.texture[0] + axis(u, rect.texture[0])
     }
 }
 
@@ -101,17 +179,19 @@ pub fn fixed_coordinates(device: &Device, format: TexelFormat) -> bool {
 
 /// Reads the texels of a footprint.
 #[must_use]
-pub fn read(map: &impl Texels, device: &Device, footprint: &Footprint<'_>) -> Taps {
+fn read(map: &impl Texels, device: &Device, footprint: &Footprint<'_>) -> Taps {
     let texels = footprint.texels.iter().copied().collect();
     if footprint.mixed.is_some() {
         let depths = Few::One(mixed_depth(map, device, footprint));
-        return Taps { depths, texels, texels_per_tap: 4, weights: Vec::new() };
+        let runs = Few::default();
+        return Taps { depths, texels, texels_per_tap: 4, weights: Vec::new(), runs };
     }
     Taps {
         depths: footprint.texels.iter().map(|&texel| map.depth(device, texel as usize)).collect(),
         texels,
         texels_per_tap: 1,
         weights: footprint.weights.to_vec(),
+        runs: Few::default(),
     }
 }
 
@@ -123,10 +203,11 @@ pub fn mixed_depth(map: &impl Texels, device: &Device, footprint: &Footprint<'_>
         return 0.0;
     };
     let bytes = mixed.texels.map(|texel| map.bytes(texel as usize).unwrap_or_default());
-    mix(device, packing, &bytes, mixed.weights)
+    let depth = mix(device, packing, &bytes, mixed.weights);
+    if map.reversed() { -depth } else { depth }
 }
 
-/// The depth that LINEAR makes of four texels: bytes are mixed in f32 on 0…255 (x before y), times
+/// The window depth that LINEAR makes of four texels: bytes are mixed in f32 on 0…255 (x before y), times
 /// f32(1/255), then decoded.
 #[must_use]
 pub fn mix(device: &Device, packing: Packing, bytes: &[[u8; 4]; 4], weights: [f32; 2]) -> f32 {

@@ -3,6 +3,7 @@
 use super::place::{Place, Shape, WIDEST, shape};
 use super::sampler;
 use super::sampling::{Offset, Sampling};
+use crate::light::Rect;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -49,7 +50,7 @@ impl Footprint<'_> {
     }
 }
 
-/// The footprints of many look-ups of one map, one list after the other.
+/// The footprints of many look-ups, one list after the other.
 #[derive(Clone, Debug)]
 pub struct Footprints {
     sampling: Sampling,
@@ -87,13 +88,20 @@ impl Footprints {
         Self { sampling, with_offsets, each, starts: vec![0], texels, weights, offsets, mixed }
     }
 
-    /// The footprints of many look-ups, without the offsets of their taps.
+    /// The footprints of many look-ups, without the offsets of their taps; `at` gives the map's rectangle
+    /// and the coordinates in it.
     #[must_use]
-    pub fn of(sampling: Sampling, uv: &(impl Fn(usize) -> [f32; 2] + Sync), count: usize) -> Self {
+    pub fn of<'r>(
+        sampling: Sampling,
+        at: &(impl Fn(usize) -> (&'r Rect, [f32; 2]) + Sync),
+        count: usize,
+    ) -> Self {
         let starts = (0..count).into_par_iter().step_by(RUN);
         let run = |start: usize| {
             let mut run = Self::new(sampling, false);
-            (start..count.min(start + RUN)).for_each(|i| run.push(uv(i)));
+            for (rect, uv) in (start..count.min(start + RUN)).map(at) {
+                run.push(rect, uv);
+            }
             run
         };
         let runs: Vec<Self> = starts.map(run).collect();
@@ -115,10 +123,12 @@ impl Footprints {
     /// # Panics
     /// From 2³² taps on.
     #[inline]
-    pub fn push(&mut self, uv: [f32; 2]) {
-        self.place(uv);
+    pub fn push(&mut self, rect: &Rect, uv: [f32; 2]) {
+        let sampling = self.sampling;
+        let at = Place::new(&sampling, rect, uv);
+        self.place(&at);
         if self.with_offsets {
-            self.place_offsets(uv);
+            self.place_offsets(&at);
         }
         let taps = u32::try_from(self.texels.len()).expect("fewer than 2^32 taps");
         if self.each.is_none() {
@@ -128,14 +138,20 @@ impl Footprints {
 
     /// The footprint of a look-up at (u, v), in place of all others.
     #[inline]
-    pub fn only(&mut self, uv: [f32; 2]) -> Footprint<'_> {
+    pub fn only(&mut self, rect: &Rect, uv: [f32; 2]) -> Footprint<'_> {
+        self.clear();
+        self.push(rect, uv);
+        self.get(0)
+    }
+
+    /// Forgets all.
+    #[inline]
+    pub fn clear(&mut self) {
         self.texels.clear();
         self.weights.clear();
         self.offsets.clear();
         self.mixed.clear();
         self.starts.truncate(1);
-        self.push(uv);
-        self.get(0)
     }
 
     /// Taps of each footprint, where all have as many.
@@ -179,21 +195,17 @@ impl Footprints {
         &self.mixed
     }
 
-    fn place(&mut self, uv: [f32; 2]) {
-        let sampling = self.sampling;
-        let at = Place { sampling: &sampling, uv };
-        match shape(sampling.filter) {
+    fn place(&mut self, at: &Place<'_>) {
+        match shape(self.sampling.filter) {
             Shape::Points(points) => self.texels.extend(points.iter().map(|&p| at.nearest(p))),
-            Shape::Square(n) => self.square(&at, n),
-            Shape::Bilinear(points) => self.bilinear(&at, points),
-            Shape::Mix => self.mix(&at),
+            Shape::Square(n) => self.square(at, n),
+            Shape::Bilinear(points) => self.bilinear(at, points),
+            Shape::Mix => self.mix(at),
         }
     }
 
-    fn place_offsets(&mut self, uv: [f32; 2]) {
-        let sampling = self.sampling;
-        let at = Place { sampling: &sampling, uv };
-        match shape(sampling.filter) {
+    fn place_offsets(&mut self, at: &Place<'_>) {
+        match shape(self.sampling.filter) {
             Shape::Points(points) => self.offsets.extend(points.iter().map(|&p| at.offset(p))),
             Shape::Square(n) => {
                 let half = n as i32 / 2;
@@ -219,7 +231,7 @@ impl Footprints {
         };
         let [xs, ys] = [0, 1].map(axis);
         for y in &ys[..n] {
-            self.texels.extend(xs[..n].iter().map(|x| y * at.sampling.size + x));
+            self.texels.extend(xs[..n].iter().map(|&x| at.texel([x, *y])));
         }
     }
 
@@ -235,11 +247,11 @@ impl Footprints {
     }
 
     fn mix(&mut self, at: &Place<'_>) {
-        let Sampling { size, wrap, .. } = *at.sampling;
+        let (wrap, texture) = (at.sampling.wrap, at.rect.texture);
         let nearest = at.nearest([0.0; 2]);
-        let ([x0, x1], fx) = sampler::linear_axis(at.uv[0], size, wrap);
-        let ([y0, y1], fy) = sampler::linear_axis(at.uv[1], size, wrap);
-        let texels = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| y * size + x);
+        let ([x0, x1], fx) = sampler::linear_axis(at.uv[0], texture[0], wrap);
+        let ([y0, y1], fy) = sampler::linear_axis(at.uv[1], texture[1], wrap);
+        let texels = [[x0, y0], [x1, y0], [x0, y1], [x1, y1]].map(|place| at.texel(place));
         self.mixed.push(Mix { texels, weights: [fx, fy] });
         let mut taps = [nearest; 4];
         let others = texels.into_iter().filter(|&t| t != nearest);
@@ -253,17 +265,17 @@ mod tests {
     use super::*;
     use crate::scene::{Filter, Wrap};
 
-    fn sampling(filter: Filter, size: u32) -> Sampling {
-        Sampling { filter, wrap: Wrap::Clamp, size, fixed: false }
+    fn sampling(filter: Filter) -> Sampling {
+        Sampling { filter, wrap: Wrap::Clamp, fixed: false }
     }
 
     #[test]
     fn shares_add_up_and_taps_stay_within_the_stated_half_width() {
         for &filter in Filter::ALL.iter().filter(|&&f| f != Filter::Linear) {
             let uv = |i: usize| [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
-            let mut footprints = Footprints::new(sampling(filter, 64), true);
+            let mut footprints = Footprints::new(sampling(filter), true);
             for i in 0..200 {
-                let footprint = footprints.only(uv(i));
+                let footprint = footprints.only(&Rect::whole([64; 2]), uv(i));
                 let Footprint { texels, offsets, .. } = footprint;
                 let sum: f64 = (0..texels.len()).map(|tap| footprint.share(tap)).sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{filter}: shares add up to {sum}");
@@ -278,20 +290,21 @@ mod tests {
 
     #[test]
     fn a_bilinear_comparison_at_a_texel_centre_reads_that_texel_alone() {
-        let mut footprints = Footprints::new(sampling(Filter::Bilinear, 8), false);
-        let footprint = footprints.only([2.5 / 8.0, 5.5 / 8.0]);
+        let mut footprints = Footprints::new(sampling(Filter::Bilinear), false);
+        let footprint = footprints.only(&Rect::whole([8; 2]), [2.5 / 8.0, 5.5 / 8.0]);
         assert_eq!((footprint.texels, footprint.weights), (&[42][..], &[1.0][..]));
     }
 
     #[test]
     fn many_footprints_are_those_of_each() {
         for &filter in Filter::ALL {
-            let (sampling, count) = (sampling(filter, 32), RUN + 100);
+            let (sampling, count) = (sampling(filter), RUN + 100);
+            let rect = Rect::whole([32, 16]);
             let uv = |i: usize| [i as f32 * 1.9e-4, 0.99 - i as f32 * 2.1e-4];
-            let footprints = Footprints::of(sampling, &uv, count);
+            let footprints = Footprints::of(sampling, &|i| (&rect, uv(i)), count);
             let mut one = Footprints::new(sampling, false);
             for i in 0..count {
-                assert_eq!(footprints.get(i), one.only(uv(i)), "{filter} at {i}");
+                assert_eq!(footprints.get(i), one.only(&rect, uv(i)), "{filter} at {i}");
             }
         }
     }

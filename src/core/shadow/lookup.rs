@@ -1,18 +1,20 @@
 //! The comparison: visibility of a look-up, and the smallest bias at which a tap is lit.
 
 use super::Taps;
+use crate::light::Lookup;
 use crate::num::{from_ordinal, ordinal};
 use crate::scene::{CompareRule, LookupSpec};
 
-/// Number of lit taps of a look-up at depth z; all of them where the range test says *outside*.
+/// Number of lit taps of a receiver; all of them where the range test says *outside* of its one look-up.
 ///
 /// The share `lit / taps` is the fractional visibility v ∈ [0,1].
 #[must_use]
-pub fn visibility(spec: &LookupSpec, coord: [f32; 3], taps: &Taps, bias: f32) -> usize {
-    if spec.range_test && !in_square(coord) {
-        return taps.depths().len();
+pub fn visibility(spec: &LookupSpec, lookups: &[Lookup], taps: &Taps, bias: f32) -> usize {
+    let count = taps.depths().len();
+    match lookups {
+        [only] if spec.range_test && !in_square(only.coord) => count,
+        _ => (0..count).filter(|&i| taps.is_lit(spec.compare, i, bias)).count(),
     }
-    taps.depths().iter().filter(|&&d| spec.compare.is_lit(coord[2], d, bias)).count()
 }
 
 /// Whether 0 ≤ u, v ≤ 1.

@@ -15,9 +15,10 @@ mod sampling;
 
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
+use crate::light::Layout;
 use crate::scene::{MapSpec, NO_TRIANGLE, TexelFormat};
 pub use few::Few;
-pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth, read};
+pub use filter::{Taps, Texels, fixed_coordinates, mix, mixed_depth};
 pub use footprint::{Footprint, Footprints, Mix};
 pub use lookup::{breakpoint, breakpoint_where, in_square, visibility};
 use rayon::prelude::*;
@@ -51,26 +52,26 @@ impl Memory {
 /// What a pass drew, texel by texel: as many triangles as depths, or storing panics.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn<'a> {
-    /// Window depths; 1 where nothing was drawn.
+    /// Window depths; where nothing was drawn 1, or 0 under reversed depth.
     pub depth: &'a [f32],
     /// Triangles, or [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
     pub triangle: &'a [u32],
 }
 
-/// A square shadow map as it lies in memory.
+/// The maps of a light as they lie in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShadowMap {
-    size: u32,
+    layout: Layout,
     format: TexelFormat,
     texels: Memory,
 }
 
 impl ShadowMap {
-    /// Stores the depths of a drawn pass, 1 where it drew [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
+    /// Stores the depths of drawn passes whose texels lie as `layout` says.
     #[must_use]
-    pub fn store(device: &Device, spec: &MapSpec, drawn: Drawn) -> Self {
+    pub fn store(device: &Device, spec: &MapSpec, layout: &Layout, drawn: Drawn) -> Self {
         let mut map = Self::empty(spec.texel);
-        Self::store_each(slice::from_mut(&mut map), device, slice::from_ref(spec), drawn);
+        Self::store_each(slice::from_mut(&mut map), device, slice::from_ref(spec), layout, drawn);
         map
     }
 
@@ -79,13 +80,19 @@ impl ShadowMap {
     ///
     /// # Panics
     /// Unless there are as many maps as specifications, and as many triangles as depths.
-    pub fn store_each(maps: &mut [Self], device: &Device, specs: &[MapSpec], drawn: Drawn) {
+    pub fn store_each(
+        maps: &mut [Self],
+        device: &Device,
+        specs: &[MapSpec],
+        layout: &Layout,
+        drawn: Drawn,
+    ) {
         assert_eq!(maps.len(), specs.len(), "a map for each specification");
         let stores = maps.iter_mut().zip(specs).map(|(map, spec)| {
             if map.format != spec.texel {
                 *map = Self::empty(spec.texel);
             }
-            map.size = spec.size;
+            map.layout = layout.clone();
             map.texels.storing(device, spec)
         });
         encode::store(device, stores.collect(), drawn);
@@ -98,41 +105,53 @@ impl ShadowMap {
             TexelFormat::Packed(_) => Memory::Bytes(Vec::new()),
             TexelFormat::Depth(_) => Memory::Depths(Vec::new()),
         };
-        Self { size: 0, format, texels }
+        Self { layout: Layout::empty(), format, texels }
     }
 
-    /// A map of ideal precision: the raster's own f32 depths, cleared to `clear`.
+    /// A map of ideal precision: the raster's own f32 depths, infinitely far where nothing was drawn.
     #[must_use]
-    pub fn unquantized(size: u32, drawn: Drawn, clear: f32) -> Self {
+    pub fn unquantized(layout: &Layout, drawn: Drawn) -> Self {
+        let clear = layout.compared(f32::INFINITY);
         let texel = |(&z, &id): (&f32, &u32)| if id == NO_TRIANGLE { clear } else { z };
         let depths = drawn.depth.par_iter().zip(drawn.triangle).map(texel).collect();
-        Self { size, format: TexelFormat::Depth(DepthFormat::F32), texels: Memory::Depths(depths) }
+        let format = TexelFormat::Depth(DepthFormat::F32);
+        Self { layout: layout.clone(), format, texels: Memory::Depths(depths) }
     }
 
     /// A map of packed texels, row by row from the bottom.
     ///
     /// # Panics
-    /// Unless there are size² texels.
+    /// Unless there are as many texels as the layout has.
     #[must_use]
-    pub fn from_bytes(size: u32, packing: Packing, bytes: Vec<[u8; 4]>) -> Self {
-        assert_eq!(bytes.len(), size as usize * size as usize, "texels of a square");
-        Self { size, format: TexelFormat::Packed(packing), texels: Memory::Bytes(bytes) }
+    pub fn from_bytes(layout: Layout, packing: Packing, bytes: Vec<[u8; 4]>) -> Self {
+        assert_eq!(bytes.len(), layout.texels(), "as many texels");
+        Self { layout, format: TexelFormat::Packed(packing), texels: Memory::Bytes(bytes) }
     }
 
     /// A map of depths as the sampler returns them, row by row from the bottom.
     ///
     /// # Panics
-    /// Unless there are size² texels.
+    /// Unless there are as many texels as the layout has.
     #[must_use]
-    pub fn from_depths(size: u32, format: DepthFormat, depths: Vec<f32>) -> Self {
-        assert_eq!(depths.len(), size as usize * size as usize, "texels of a square");
-        Self { size, format: TexelFormat::Depth(format), texels: Memory::Depths(depths) }
+    pub fn from_depths(layout: Layout, format: DepthFormat, depths: Vec<f32>) -> Self {
+        assert_eq!(depths.len(), layout.texels(), "as many texels");
+        Self { layout, format: TexelFormat::Depth(format), texels: Memory::Depths(depths) }
     }
 
-    /// Texels per side.
+    /// The same texels as the maps of another layout.
+    ///
+    /// # Panics
+    /// Unless it has as many texels.
     #[must_use]
-    pub const fn size(&self) -> u32 {
-        self.size
+    pub fn lying(self, layout: Layout) -> Self {
+        assert_eq!(self.layout.texels(), layout.texels(), "as many texels");
+        Self { layout, ..self }
+    }
+
+    /// Where the texels of each map lie.
+    #[must_use]
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// What a texel holds.
@@ -150,9 +169,16 @@ impl ShadowMap {
         }
     }
 
-    /// The depth that a NEAREST look-up of a texel returns to the comparison.
+    /// The compared depth that a NEAREST look-up of a texel returns
+    /// ([`ClipSpace::compared`](crate::view::ClipSpace::compared)).
     #[must_use]
     pub fn depth(&self, device: &Device, texel: usize) -> f32 {
+        self.layout.compared(self.window_depth(device, texel))
+    }
+
+    /// The window depth that a texel holds.
+    #[must_use]
+    pub fn window_depth(&self, device: &Device, texel: usize) -> f32 {
         match (&self.texels, self.format) {
             (Memory::Depths(depths), _) => depths[texel],
             (Memory::Bytes(bytes), TexelFormat::Packed(packing)) => {
@@ -164,8 +190,8 @@ impl ShadowMap {
 }
 
 impl Texels for ShadowMap {
-    fn size(&self) -> u32 {
-        self.size
+    fn reversed(&self) -> bool {
+        self.layout.reversed()
     }
 
     fn format(&self) -> TexelFormat {
@@ -181,10 +207,10 @@ impl Texels for ShadowMap {
     }
 }
 
-/// Many texels of a map, stored at once: of each [`texel_depth`] and [`texel_bytes`].
+/// Many texels of a map, stored at once: of each [`texel_depth`], compared, and [`texel_bytes`].
 #[derive(Clone, Debug)]
 pub struct Stored {
-    /// The depths that NEAREST look-ups return to the comparison.
+    /// The compared depths that NEAREST look-ups return.
     pub depths: Vec<f32>,
     /// The bytes of packed texels; none of depth textures.
     pub bytes: Vec<[u8; 4]>,
@@ -193,9 +219,15 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Stores what a pass drew.
+    /// Stores what a pass drew, given as compared depths: negative ones where `reversed`.
     #[must_use]
-    pub fn new(device: &Device, spec: &MapSpec, drawn: Drawn) -> Self {
+    pub fn new(device: &Device, spec: &MapSpec, reversed: bool, drawn: Drawn) -> Self {
+        if reversed {
+            let negative = |depths: &[f32]| depths.iter().map(|&z| -z).collect::<Vec<f32>>();
+            let depth = negative(drawn.depth);
+            let stored = Self::new(device, spec, false, Drawn { depth: &depth, ..drawn });
+            return Self { depths: negative(&stored.depths), ..stored };
+        }
         let mut texels = ShadowMap::empty(spec.texel).texels;
         encode::store(device, vec![texels.storing(device, spec)], drawn);
         let (depths, bytes) = match (texels, spec.texel) {
@@ -230,8 +262,8 @@ pub fn texel_bytes(device: &Device, spec: &MapSpec, drawn: Option<f32>) -> Optio
     Some(stored_bytes(device, drawn.map_or(spec.clear, |z| packing.pack(z))))
 }
 
-/// The depth that one texel returns to the comparison after it was stored: what
-/// [`ShadowMap::depth`] says of a map that holds it.
+/// The window depth that one texel returns after it was stored: what [`ShadowMap::window_depth`] says of
+/// a map that holds it; `None` is a texel cleared to 1.
 #[must_use]
 pub fn texel_depth(device: &Device, spec: &MapSpec, drawn: Option<f32>) -> f32 {
     match (spec.texel, texel_bytes(device, spec, drawn)) {
@@ -266,9 +298,11 @@ mod tests {
                 MapSpec { size, texel, clear, depth_buffer, cull: Cull::None }
             };
             let specs: Vec<MapSpec> = all.iter().map(spec).collect();
-            ShadowMap::store_each(&mut maps, &device, &specs, drawn);
+            let layout = Layout::whole([size; 2]);
+            ShadowMap::store_each(&mut maps, &device, &specs, &layout, drawn);
             for (map, spec) in maps.iter().zip(&specs) {
-                assert_eq!(map, &ShadowMap::store(&device, spec, drawn), "{:?}", spec.texel);
+                let alone = ShadowMap::store(&device, spec, &layout, drawn);
+                assert_eq!(map, &alone, "{:?}", spec.texel);
             }
         }
     }

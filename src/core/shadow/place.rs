@@ -3,6 +3,7 @@
 use super::disk::{poisson16, vogel5, vogel16};
 use super::sampler;
 use super::sampling::{Offset, Sampling};
+use crate::light::Rect;
 use crate::scene::Filter;
 
 /// What a filter compares, points in texels around the coordinate.
@@ -39,6 +40,9 @@ pub(super) fn shape(filter: Filter) -> Shape {
 /// Where a look-up happens.
 pub(super) struct Place<'s> {
     pub(super) sampling: &'s Sampling,
+    /// The map's texels in its texture.
+    pub(super) rect: &'s Rect,
+    /// In the texture.
     pub(super) uv: [f32; 2],
 }
 
@@ -65,31 +69,54 @@ pub(super) struct Near {
     pub(super) offset: Offset,
 }
 
-impl Place<'_> {
-    /// An offset in texels as one in u or v: f32 product with f32(1/size).
-    fn step(&self, texels: f32) -> f32 {
-        texels * (1.0 / self.sampling.size as f32)
+impl<'s> Place<'s> {
+    /// A look-up at the map's own coordinates.
+    pub(super) fn new(sampling: &'s Sampling, rect: &'s Rect, uv: [f32; 2]) -> Self {
+        Self { sampling, rect, uv: rect.in_texture(uv) }
+    }
+
+    /// An offset in texels as one in u or v of the texture: f32 product with f32(1/size).
+    fn step(&self, axis: usize, texels: f32) -> f32 {
+        texels * (1.0 / self.rect.texture[axis] as f32)
     }
 
     /// Index along an axis of the texel so many texels away.
     pub(super) fn nearest_along(&self, axis: usize, texels: f32) -> u32 {
-        let Sampling { size, wrap, fixed, .. } = *self.sampling;
-        sampler::nearest_texel(self.uv[axis] + self.step(texels), size, wrap, fixed)
+        let Sampling { wrap, fixed, .. } = *self.sampling;
+        let c = self.uv[axis] + self.step(axis, texels);
+        sampler::nearest_texel(c, self.rect.texture[axis], wrap, fixed)
+    }
+
+    /// The number of the texel in a column and a row of the texture.
+    #[inline]
+    pub(super) fn texel(&self, [x, y]: [u32; 2]) -> u32 {
+        self.rect.first + y * self.rect.texture[0] + x
     }
 
     pub(super) fn nearest(&self, texels: [f32; 2]) -> u32 {
-        let [x, y] = [0, 1].map(|axis| self.nearest_along(axis, texels[axis]));
-        y * self.sampling.size + x
+        self.texel([0, 1].map(|axis| self.nearest_along(axis, texels[axis])))
     }
 
     pub(super) fn offset(&self, texels: [f32; 2]) -> Offset {
-        let centre = |axis: usize| self.centre(axis, self.uv[axis] + self.step(texels[axis]));
-        Offset { sample: texels.map(|t| self.step(t)), centre: [0, 1].map(centre) }
+        let centre = |axis: usize| self.centre(axis, self.uv[axis] + self.step(axis, texels[axis]));
+        let sample = [0, 1].map(|axis| self.step(axis, texels[axis]));
+        self.in_map(Offset { sample, centre: [0, 1].map(centre) })
+    }
+
+    /// An offset in the texture as one in the map's own u and v.
+    fn in_map(&self, offset: Offset) -> Offset {
+        let Rect { size, texture, .. } = *self.rect;
+        if size == texture {
+            return offset;
+        }
+        let grown =
+            |o: [f32; 2]| [0, 1].map(|axis| o[axis] * (texture[axis] as f32 / size[axis] as f32));
+        Offset { sample: grown(offset.sample), centre: grown(offset.centre) }
     }
 
     /// From the coordinate to the centre of the texel that c falls into, along one axis.
     fn centre(&self, axis: usize, c: f32) -> f32 {
-        let size = f64::from(self.sampling.size);
+        let size = f64::from(self.rect.texture[axis]);
         (((f64::from(c) * size).floor() + 0.5) / size - f64::from(self.uv[axis])) as f32
     }
 
@@ -97,17 +124,19 @@ impl Place<'_> {
     pub(super) fn around(&self, point: [f32; 2]) -> [Near; 4] {
         let axes = [0, 1].map(|axis| self.between(axis, point[axis]));
         [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]: [usize; 2]| {
-            let texel = axes[1].texels[y] * self.sampling.size + axes[0].texels[x];
+            let texel = self.texel([axes[0].texels[x], axes[1].texels[y]]);
             let centre = [axes[0].centres[x], axes[1].centres[y]];
             let weight = axes[0].weight(x) * axes[1].weight(y);
-            Near { texel, weight, offset: Offset { sample: point.map(|t| self.step(t)), centre } }
+            let sample = [0, 1].map(|axis| self.step(axis, point[axis]));
+            Near { texel, weight, offset: self.in_map(Offset { sample, centre }) }
         })
     }
 
     fn between(&self, axis: usize, texels: f32) -> Between {
-        let c = self.uv[axis] + self.step(texels);
-        let (pair, fraction) = sampler::linear_axis(c, self.sampling.size, self.sampling.wrap);
-        let size = f64::from(self.sampling.size);
+        let c = self.uv[axis] + self.step(axis, texels);
+        let size = self.rect.texture[axis];
+        let (pair, fraction) = sampler::linear_axis(c, size, self.sampling.wrap);
+        let size = f64::from(size);
         let low = (f64::from(c) * size - 0.5).floor() + 0.5;
         let from = |position: f64| (position / size - f64::from(self.uv[axis])) as f32;
         Between { texels: pair, fraction, centres: [from(low), from(low + 1.0)] }

@@ -1,16 +1,14 @@
-//! How look-ups of a map find their texels, and where a tap lies from its look-up.
+//! How look-ups of maps find their texels, and where a tap lies from its look-up.
 
 use crate::scene::{Filter, Wrap};
 
-/// How look-ups of a map find their texels.
+/// How look-ups of maps find their texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Texels read.
     pub filter: Filter,
     /// What lies beyond the edges.
     pub wrap: Wrap,
-    /// Texels per side.
-    pub size: u32,
     /// Whether NEAREST coordinates are fixed point ([`super::sampler::nearest_texel`]).
     pub fixed: bool,
 }

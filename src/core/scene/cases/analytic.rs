@@ -39,11 +39,8 @@ const CASTER: Vec3 = Vec3::new(0.75, 0.55, 0.4);
 
 /// An orthographic light of side `width` at `position`, looking at the origin.
 fn sun(position: DVec3, up: DVec3, width: f64, near: f64, far: f64) -> Light {
-    Light {
-        view: View { position, target: DVec3::ZERO, up },
-        projection: Projection::Orthographic { width, height: width, near, far },
-        cone_cos: None,
-    }
+    let eye = View { position, target: DVec3::ZERO, up };
+    Light::new(eye, Projection::Orthographic { width, height: width, near, far }, None)
 }
 
 /// An orthographic camera 16 units from `target` in direction `from`, which sees only what lies
@@ -69,12 +66,7 @@ struct Scene {
 
 fn case(scene: Scene) -> Case {
     let chain = MatrixChain::BiasMatrix;
-    let object = |(name, mesh): (&str, Mesh)| Object {
-        name: name.to_string(),
-        mesh,
-        model: Mat4::IDENTITY,
-        matrices: chain.matrices(&scene.light, &scene.camera, &Mat4::IDENTITY),
-    };
+    let object = |(name, mesh): (&str, Mesh)| Object::new(name, mesh, Mat4::IDENTITY);
     Case {
         name: scene.name.to_string(),
         document: scene.document.to_string(),
@@ -214,16 +206,10 @@ pub fn dyadic_plane() -> Case {
 
 /// A spot at (0, 8, 0) looking down, 60°, near 1, far 12.
 fn spot() -> Light {
-    Light {
-        view: View { position: DVec3::Y * 8.0, target: DVec3::ZERO, up: DVec3::NEG_Z },
-        projection: Projection::Perspective {
-            fovy_degrees: 60.0,
-            aspect: 1.0,
-            near: 1.0,
-            far: 12.0,
-        },
-        cone_cos: None,
-    }
+    let eye = View { position: DVec3::Y * 8.0, target: DVec3::ZERO, up: DVec3::NEG_Z };
+    let projection =
+        Projection::Perspective { fovy_degrees: 60.0, aspect: 1.0, near: 1.0, far: 12.0 };
+    Light::new(eye, projection, None)
 }
 
 /// T3: the plane y = gx·x + gz·z under a spot 8 above the origin. In window depth the critical bias is

@@ -39,26 +39,15 @@ fn view(position: [f64; 3], target: [f64; 3]) -> View {
 }
 
 fn light(position: [f64; 3], target: [f64; 3], projection: Projection) -> Light {
-    Light { view: view(position, target), projection, cone_cos: None }
+    Light::new(view(position, target), projection, None)
 }
 
 fn camera(position: [f64; 3], fovy: f64, far: f64) -> Camera {
     Camera { view: view(position, [0.0; 3]), projection: perspective(fovy, 1.0, far) }
 }
 
-fn objects(
-    parts: Vec<(&str, Mesh, Mat4)>,
-    chain: MatrixChain,
-    light: &Light,
-    camera: &Camera,
-) -> Vec<Object> {
-    let object = |(name, mesh, model): (&str, Mesh, Mat4)| Object {
-        name: name.to_string(),
-        matrices: chain.matrices(light, camera, &model),
-        mesh,
-        model,
-    };
-    parts.into_iter().map(object).collect()
+fn objects(parts: Vec<(&str, Mesh, Mat4)>) -> Vec<Object> {
+    parts.into_iter().map(|(name, mesh, model)| Object::new(name, mesh, model)).collect()
 }
 
 /// Triangle and plane of document 004 and of the book's sample.
@@ -116,7 +105,7 @@ fn colour_case(c: ColourCase<'_>) -> Case {
     Case {
         name: c.name.to_string(),
         document: c.document.to_string(),
-        objects: objects(triangle_and_plane(c.plane_model), chain, &c.light, &camera),
+        objects: objects(triangle_and_plane(c.plane_model)),
         light: c.light,
         camera,
         canvas: [c.canvas; 2],
@@ -197,7 +186,7 @@ fn upc() -> Case {
     });
     let chain = MatrixChain::ModelView;
     Case {
-        objects: objects(triangle_and_plane(Mat4::IDENTITY), chain, &base.light, &base.camera),
+        objects: objects(triangle_and_plane(Mat4::IDENTITY)),
         chain,
         map: MapSpec { clear: TRANSPARENT_BLACK, ..base.map },
         lookup: LookupSpec {
@@ -243,7 +232,7 @@ fn depth_case(
     Case {
         name: name.to_string(),
         document: document.to_string(),
-        objects: objects(sphere_floor_cube(), chain, &light, &camera),
+        objects: objects(sphere_floor_cube()),
         light,
         camera,
         canvas: [400; 2],
@@ -271,10 +260,8 @@ fn fundamentals(directional: bool) -> Case {
     } else {
         perspective(120.0, 0.5, 10.0)
     };
-    let mut light = light([2.5, 4.8, 4.3], [2.5, 0.0, 3.5], projection);
-    if !directional {
-        light.cone_cos = Some(libm::cos(60.0 * std::f64::consts::PI / 180.0));
-    }
+    let cone = (!directional).then(|| libm::cos(60.0 * std::f64::consts::PI / 180.0));
+    let light = Light::new(view([2.5, 4.8, 4.3], [2.5, 0.0, 3.5]), projection, cone);
     let eye = if directional { [6.0, 12.0, 7.0] } else { [2.75, 5.0, 7.0] };
     let lookup = LookupSpec {
         coord: CoordForm::Divide,

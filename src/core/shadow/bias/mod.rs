@@ -33,8 +33,8 @@ pub struct Site {
     pub window_per_world: f64,
     /// Window depth of the surface's plane per unit of u and v; infinite where it is seen edge-on.
     pub gradient: DVec2,
-    /// Texels per side of the map.
-    pub map_size: u32,
+    /// Width and height of the map in texels.
+    pub map_size: [u32; 2],
 }
 
 /// All hooks of a bias. The default changes nothing.

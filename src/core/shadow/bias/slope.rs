@@ -38,11 +38,14 @@ impl PolygonOffset {
 }
 
 /// |g| of a receiver's plane per texel, window depth: what shaders compute as tan θ, Euclidean norm.
-/// `gradient` is window depth per unit of u and v. f64, within 2 ulp.
+/// `gradient` is compared depth per unit of u and v, `map_size` the map's width and height. f64, within
+/// 4 ulp.
 #[must_use]
-pub fn receiver_slope(gradient: DVec2, map_size: u32) -> f64 {
-    let squared = gradient.x * gradient.x + gradient.y * gradient.y;
-    f64::sqrt(squared) / f64::from(map_size)
+pub fn receiver_slope(gradient: DVec2, map_size: [u32; 2]) -> f64 {
+    let [width, height] = map_size.map(f64::from);
+    let y = gradient.y * (width / height);
+    let squared = gradient.x * gradient.x + y * y;
+    f64::sqrt(squared) / width
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ fn sun(position: DVec3, width: f64) -> Light {
         near: distance - width / 2.0,
         far: distance + width / 2.0,
     };
-    Light { view: View { position, target: DVec3::ZERO, up: DVec3::Y }, projection, cone_cos: None }
+    Light::new(View { position, target: DVec3::ZERO, up: DVec3::Y }, projection, None)
 }
 
 fn case(scene: Scene<'_>) -> Case {
@@ -84,12 +84,7 @@ fn case(scene: Scene<'_>) -> Case {
             far,
         },
     };
-    let object = |(name, mesh): (&str, Mesh)| Object {
-        name: name.to_string(),
-        mesh,
-        model: Mat4::IDENTITY,
-        matrices: chain.matrices(&scene.light, &camera, &Mat4::IDENTITY),
-    };
+    let object = |(name, mesh): (&str, Mesh)| Object::new(name, mesh, Mat4::IDENTITY);
     Case {
         name: scene.name.to_string(),
         document: format!("standard scene: {}", scene.about),

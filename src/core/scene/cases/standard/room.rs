@@ -14,24 +14,18 @@ const SIZE: Vec3 = Vec3::new(4.0, 3.0, 3.0);
 pub(super) fn room() -> Case {
     let mut ball = sphere(0.5, 32, 16, WOOD);
     ball.positions.iter_mut().for_each(|p| *p += Vec3::new(-2.5, 0.5, 1.5));
+    let eye = View {
+        position: DVec3::new(0.5, 2.875, 0.25),
+        target: DVec3::new(0.5, 0.0, 0.25),
+        up: DVec3::NEG_Z,
+    };
+    let projection =
+        Projection::Perspective { fovy_degrees: 120.0, aspect: 1.0, near: 0.125, far: 4.0 };
     case(Scene {
         name: "room",
         about: "a room with a lamp",
         parts: vec![("walls", walls()), ("table", table()), ("stools", stools()), ("ball", ball)],
-        light: Light {
-            view: View {
-                position: DVec3::new(0.5, 2.875, 0.25),
-                target: DVec3::new(0.5, 0.0, 0.25),
-                up: DVec3::NEG_Z,
-            },
-            projection: Projection::Perspective {
-                fovy_degrees: 120.0,
-                aspect: 1.0,
-                near: 0.125,
-                far: 4.0,
-            },
-            cone_cos: Some(0.5),
-        },
+        light: Light::new(eye, projection, Some(0.5)),
         eye: [DVec3::new(-3.75, 2.5, 2.75), DVec3::new(0.5, 0.5, 0.0)],
         bias: 0.001,
     })
