@@ -37,7 +37,7 @@ fn halves(case: &Case) -> [Map; 2] {
 /// A map that fills `COVERED` eighths of the width of a texture of its own.
 fn on_layer(map: Map, layer: u16) -> Map {
     let viewport = Viewport { layer, low: [0, 0], high: [COVERED, 8], parts: 8 };
-    Map { viewport, ..map }
+    map.on(viewport)
 }
 
 fn base(filter: Filter) -> Case {
@@ -75,7 +75,7 @@ fn two_maps_are_drawn_as_each_is_alone_and_an_atlas_holds_the_same() {
     // Side by side in one texture of twice the width, each half as large again.
     let beside = |map: Map, low: u32| {
         let viewport = Viewport { layer: 0, low: [low, 0], high: [low + COVERED, 8], parts: 16 };
-        Map { viewport, ..map }
+        map.on(viewport)
     };
     let [left, right] = halves(&base(Filter::Nearest));
     let choice = Choice::FirstThatHolds { border: 0.0, blend: 0.125 };
