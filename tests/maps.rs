@@ -5,7 +5,8 @@ use gnomon::analysis::curve::Curve;
 use gnomon::analysis::documents::{self, Options, Which};
 use gnomon::analysis::observe::{Observation, Observer, Standing};
 use gnomon::analysis::sweep::chart::{Attachment, Chart};
-use gnomon::analysis::sweep::looks::literal;
+use gnomon::analysis::sweep::looks::Look;
+use gnomon::analysis::sweep::tally::Tally;
 use gnomon::analysis::sweep::{Field, Question, sweep};
 use gnomon::light::{Choice, Map, Viewport};
 use gnomon::raster::passes::Subject;
@@ -169,8 +170,11 @@ fn assert_literal(chart: &Chart<'_, '_>, strategy: Strategy, amounts: &[f32]) ->
     for point in &swept.points {
         let recipe = strategy.with(point.amount);
         let looks = chart.looks(format, &recipe);
-        let bias = |i: usize| recipe.tap_bias(&chart.weights(format, i));
-        let found = literal(&looks, rule, bias);
+        let mut found = Tally::default();
+        for (i, looks) in looks.iter().enumerate() {
+            let bias = |look: &Look| chart.tap_bias(&recipe, format, i, look.map);
+            looks.tally_by(rule, bias, &mut found);
+        }
         assert_eq!(point.tally, found, "{} {strategy} at {}", case.name, point.amount);
         wrong += point.tally.false_shadow() + point.tally.false_light();
     }
