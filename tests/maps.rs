@@ -340,7 +340,9 @@ fn what_does_not_fit_is_refused_in_one_sentence() {
         case.light.clone().with_maps(maps, choice).unwrap_err().to_string()
     };
     assert!(message(Vec::new(), Choice::Only).contains("light.maps"));
-    assert!(message(vec![left, right], Choice::Only).contains("light.choice"));
+    assert!(
+        message(vec![on_layer(left, 0), on_layer(right, 1)], Choice::Only).contains("light.choice")
+    );
     let mut turned = right;
     turned.clip.reversed = true;
     let choice = Choice::FirstThatHolds { border: 0.0, blend: 0.0 };
