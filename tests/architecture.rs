@@ -10,6 +10,7 @@ const LAYERS: &[(&str, u8)] = &[
     ("error", 0),
     ("catalogue", 0),
     ("num", 0),
+    ("size", 0),
     ("memory", 0),
     ("input", 0),
     ("simd", 0),

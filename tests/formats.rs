@@ -141,7 +141,7 @@ fn own_surface(chart: &Chart<'_, '_>, format: TexelFormat) -> usize {
     let holds = |&i: &usize| {
         let sample = &chart.field.samples[i];
         let [u, v, _] = sample.coord.map(f64::from);
-        let setup = raster.map_setup(sample.receiver.triangle, chart.size);
+        let setup = raster.map_setup(sample.receiver.triangle, sample.map, &chart.layout);
         let [x, y] = [u, v].map(|c| (c * size) as u32);
         let mut inside = false;
         setup.cover(

@@ -109,7 +109,10 @@ fn map(seed: u64, folder: &Path) -> Stage {
     let _ = fs::remove_file(path);
     match applied {
         Ok(captured) => {
-            assert!(captured.is_some_and(|c| c.map.layout().side() == case.map.size), "the map's own size");
+            assert!(
+                captured.is_some_and(|c| c.map.layout().side() == case.map.size),
+                "the map's own size"
+            );
             Stage::Read
         }
         Err(error) => refused(&error),

@@ -9,6 +9,7 @@ use gnomon::device::{Device, DeviceProfile};
 use gnomon::raster::{Pass, PolygonOffset, Raster, draw, draw_at, draw_each, draw_into};
 use gnomon::scene::Cull;
 use gnomon::simd::Level;
+use gnomon::view::{ClipRange, ClipSpace};
 use meshes::Random;
 
 /// Triangles of every size and place: inside, across the borders, through the near plane, behind
@@ -83,6 +84,17 @@ fn passes() -> Vec<Pass> {
             });
         }
     }
+    // The same in the clip spaces of other interfaces, each with another part of them.
+    let spaces = [
+        (ClipRange::ZeroToOne, true),
+        (ClipRange::ZeroToOne, false),
+        (ClipRange::MinusOneToOne, true),
+    ];
+    let turned = passes.clone().into_iter().enumerate().map(|(k, pass)| {
+        let (range, reversed) = spaces[k % 3];
+        Pass { clip: ClipSpace { range, reversed, y_down: k % 2 == 0 }, ..pass }
+    });
+    passes.extend(turned.collect::<Vec<_>>());
     passes
 }
 

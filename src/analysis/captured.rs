@@ -74,7 +74,7 @@ impl CapturedArguments {
                 "give --light-matrix",
             ));
         }
-        let format = self.packing.as_deref().map(super::sweep::plan::format_named).transpose()?;
+        let format = self.packing.as_deref().map(str::parse::<TexelFormat>).transpose()?;
         let bytes = input::read(path, input::DATA)?;
         let place = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();

@@ -31,34 +31,65 @@ struct Weighted {
 /// Breakpoints of one population in the order of its receivers.
 #[derive(Default)]
 struct Gathered {
-    /// Taps of a look-up.
+    /// Taps of each receiver, as long as all have as many.
     taps: usize,
     breakpoints: Vec<f32>,
-    /// Shares of the taps where some differ; else empty.
+    /// Shares of the taps, from where on they differ; else empty.
     shares: Vec<f64>,
-    /// The breakpoint of each receiver at which its verdict turns.
+    /// The breakpoint of each receiver at which its verdict turns; empty as long as each has one alone.
     ends: Vec<f32>,
 }
 
 impl Gathered {
     fn add(&mut self, o: &Observation, end: fn(&[f32]) -> f32) {
-        self.taps = self.taps.max(o.breakpoints.len());
-        if let Some(weights) = o.taps.weights() {
-            self.shares.resize(self.breakpoints.len(), 1.0);
-            self.shares.extend(weights);
-        }
-        self.breakpoints.extend_from_slice(&o.breakpoints);
-        if o.breakpoints.len() != 1 {
+        let taps = o.breakpoints.len();
+        if taps != 1 || !self.ends.is_empty() {
+            self.spell_ends();
             self.ends.push(end(&o.breakpoints));
+        }
+        let weights = o.taps.weights();
+        if weights.is_some() || !self.is_even(taps) {
+            self.spell_shares();
+            match weights {
+                Some(weights) => self.shares.extend(weights),
+                None => self.shares.extend(std::iter::repeat_n(1.0 / taps as f64, taps)),
+            }
+        }
+        self.taps = taps;
+        self.breakpoints.extend_from_slice(&o.breakpoints);
+    }
+
+    /// Whether receivers with so many taps of one weight leave all shares the same.
+    fn is_even(&self, taps: usize) -> bool {
+        self.shares.is_empty() && (self.breakpoints.is_empty() || self.taps == taps)
+    }
+
+    /// The turns of receivers with one breakpoint each are these.
+    fn spell_ends(&mut self) {
+        if self.ends.is_empty() {
+            self.ends.clone_from(&self.breakpoints);
         }
     }
 
-    fn join(&mut self, other: &Self) {
-        self.taps = self.taps.max(other.taps);
-        if !other.shares.is_empty() {
-            self.shares.resize(self.breakpoints.len(), 1.0);
-            self.shares.extend(&other.shares);
+    /// The shares of taps that were the same so far.
+    fn spell_shares(&mut self) {
+        self.shares.resize(self.breakpoints.len(), 1.0 / self.taps.max(1) as f64);
+    }
+
+    fn join(&mut self, other: &mut Self) {
+        if other.breakpoints.is_empty() {
+            return;
         }
+        if !(self.ends.is_empty() && other.ends.is_empty()) {
+            self.spell_ends();
+            other.spell_ends();
+        }
+        if !(other.shares.is_empty() && self.is_even(other.taps)) {
+            self.spell_shares();
+            other.spell_shares();
+        }
+        self.taps = other.taps;
+        self.shares.extend(&other.shares);
         self.breakpoints.extend(&other.breakpoints);
         self.ends.extend(&other.ends);
     }
@@ -77,21 +108,20 @@ fn gathered(observations: &[Observation]) -> [Gathered; 2] {
         }
         found
     };
-    let chunks: Vec<[Gathered; 2]> = observations.par_chunks(1 << 14).map(chunk).collect();
+    let mut chunks: Vec<[Gathered; 2]> = observations.par_chunks(1 << 14).map(chunk).collect();
     let mut all: [Gathered; 2] = Default::default();
-    for chunk in &chunks {
+    for chunk in &mut chunks {
         all.iter_mut().zip(chunk).for_each(|(all, found)| all.join(found));
     }
     all
 }
 
 impl Weighted {
-    fn new(mut all: Gathered) -> Self {
+    fn new(all: Gathered) -> Self {
         if all.shares.is_empty() {
             let share = 1.0 / all.taps.max(1) as f64;
             return Self { breakpoints: sorted(all.breakpoints), reached: Vec::new(), share };
         }
-        all.shares.resize(all.breakpoints.len(), 1.0);
         let mut pairs: Vec<(f32, f64)> = all.breakpoints.into_iter().zip(all.shares).collect();
         pairs.sort_by_key(|&(b, _)| ordinal(b));
         let mut sum = 0.0;
@@ -104,11 +134,6 @@ impl Weighted {
             breakpoints: pairs.into_iter().map(|(b, _)| b).collect(),
             share: 0.0,
         }
-    }
-
-    /// Whether every look-up has one tap, so that its first and last breakpoint are the same.
-    fn is_of_single_taps(&self) -> bool {
-        self.reached.is_empty() && self.share == 1.0
     }
 
     /// Sum of the shares of all taps lit at `bias`, and of the others.
@@ -196,7 +221,7 @@ impl Curve {
         let population = |mut all: Gathered| {
             let ends = std::mem::take(&mut all.ends);
             let all = Weighted::new(all);
-            let ends = if all.is_of_single_taps() { all.breakpoints.clone() } else { sorted(ends) };
+            let ends = if ends.is_empty() { all.breakpoints.clone() } else { sorted(ends) };
             (all, ends)
         };
         let [lit, shadowed] = gathered(observations);

@@ -35,7 +35,8 @@ pub const FORMATS: [TexelFormat; 7] = [
 
 /// Whether reversed depth makes sense: sound formats under a perspective light.
 fn reverses(case: &Case, format: TexelFormat) -> bool {
-    !case.light.is_directional() && matches!(format, TexelFormat::Depth(_))
+    case.light.only_map().is_some_and(|map| !map.is_orthographic() && !map.clip.reversed)
+        && matches!(format, TexelFormat::Depth(_))
 }
 
 /// A format on a case.
@@ -154,7 +155,7 @@ fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<Option<f64>> {
 /// One step of the format at the middle receiver, world units.
 fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> Option<f64> {
     let middle = field.samples.get(field.samples.len() / 2)?;
-    let z = middle.exact.z as f32;
+    let z = field.case().layout().compared(middle.exact.z as f32);
     let step = format.step(if reversed { 1.0 - z } else { z });
     Some(step / field.site(middle, &field.case().layout()).window_per_world)
 }

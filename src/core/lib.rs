@@ -14,6 +14,7 @@ pub mod raster;
 pub mod scene;
 pub mod shadow;
 pub mod simd;
+pub mod size;
 pub mod truth;
 pub mod view;
 

@@ -73,6 +73,13 @@ impl Light {
                 "reverse the depth of all maps or of none",
             ));
         }
+        if let Some([a, b]) = overlapping(&maps) {
+            return Err(Error::bad_input(
+                format!("light.maps[{b}].viewport"),
+                format!("and that of map {a} overlap"),
+                "give each map its own part of a texture, or a texture (layer) of its own",
+            ));
+        }
         choice.checked(maps.len())?;
         Ok(Self { maps, choice, ..self })
     }
@@ -183,4 +190,21 @@ impl Light {
         self.cone_cos
             .is_none_or(|limit| self.direction_from(p_world).dot(self.eye.backward()) >= limit)
     }
+}
+
+/// Two maps whose viewports share a part of a texture.
+fn overlapping(maps: &[Map]) -> Option<[usize; 2]> {
+    let meet = |a: &Viewport, b: &Viewport| {
+        let [p, q] = [a.parts, b.parts].map(u64::from);
+        let before = |x: u32, y: u32| u64::from(x) * q < u64::from(y) * p;
+        let shares = |k: usize| {
+            before(a.low[k], b.high[k]) && {
+                let after = |x: u32, y: u32| u64::from(x) * p < u64::from(y) * q;
+                after(b.low[k], a.high[k])
+            }
+        };
+        a.layer == b.layer && shares(0) && shares(1)
+    };
+    let pairs = (0..maps.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
+    pairs.into_iter().find(|&[a, b]| meet(&maps[a].viewport, &maps[b].viewport))
 }

@@ -1,5 +1,6 @@
 //! What a scene may cost, and the files that it names beside itself: relative, decoded, given by the caller.
 
+use gnomon_core::size::Size;
 use gnomon_core::{Error, Result};
 use std::path::{Component, Path, PathBuf};
 
@@ -65,13 +66,7 @@ impl<'b> Budget<'b> {
 
     /// Refuses what needs more memory than is left to the scene.
     pub(super) fn memory(&self, place: &str, need: u64) -> Result<()> {
-        if need <= self.limits.memory {
-            return Ok(());
-        }
-        let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
-        let [need, budget] = [need, self.limits.memory].map(mebibytes);
-        let reason = format!("needs {need} MiB, the budget is {budget} MiB");
-        Err(Error::bad_input(place, reason, "split or simplify the scene, or raise --max-memory"))
+        Size(self.limits.memory).afford(place, Size(need), "split or simplify the scene")
     }
 
     pub(super) fn depth(&self) -> usize {

@@ -4,11 +4,11 @@ use glam::DVec3;
 use gnomon_core::num::exp2;
 use gnomon_core::{Error, Result};
 
-/// World coordinates lie below this: matrices and clip coordinates of f32 hold their products with
-/// room to spare (a test scales scenes up to it).
-pub const FARTHEST: f64 = exp2(80);
-/// A scene with extent is at least as large as this.
-pub const SMALLEST: f64 = exp2(-80);
+/// World coordinates lie below this: where a triangle is clipped, products of two clip coordinates
+/// overflow f32 from 2¹²⁸ on, and clip coordinates are a few times as large as those of the world.
+pub const FARTHEST: f64 = exp2(61);
+/// A scene with extent is at least as large as this: below, the same products vanish.
+pub const SMALLEST: f64 = exp2(-72);
 
 /// Refuses a world point beyond the range.
 ///

@@ -18,6 +18,7 @@ mod manifest;
 mod plan;
 mod put;
 mod seal;
+mod verify;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
@@ -27,8 +28,9 @@ use std::time::{Duration, Instant};
 pub use found::digest;
 pub use layer::{Disk, FileLayer};
 pub use lock::Lock;
-pub use manifest::{MANIFEST, MANIFEST_SCHEMA, Manifest, verify};
+pub use manifest::{MANIFEST, MANIFEST_SCHEMA, Manifest};
 pub use put::{Staged, put, put_with};
+pub use verify::verify;
 
 use plan::{JOURNAL, Journal, Plan, clear_staged_journal, replaceable};
 

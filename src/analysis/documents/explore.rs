@@ -104,7 +104,7 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
         view.truth.push(truth);
         let centre = o.map_or(0, |o| o.taps.centre());
         let own = o.map_or(0, |o| o.breakpoints.len());
-        for tap in order(centre, own) {
+        for tap in order(centre, own).take(own) {
             view.breakpoints.push(o.map_or(f32::INFINITY, |o| o.breakpoints[tap]));
             view.codes.push(codes(observer, *o, tap));
         }

@@ -10,8 +10,9 @@ use crate::light::Layout;
 use crate::raster::passes::{MapPass, MapRaster};
 use crate::raster::{Fragments, PolygonOffset, Slots};
 use crate::scene::{Filter, MapSpec, TexelFormat};
-use crate::shadow::bias::{Site, Weights};
+use crate::shadow::bias::{Recipe, Site, Weights};
 use crate::shadow::{self, Footprints, Sampling};
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -92,7 +93,11 @@ impl<'f, 'a> Chart<'f, 'a> {
         let receivers = &field.receivers;
         let at = |i: usize| (layout.rect(field.samples[i].map), [receivers.u[i], receivers.v[i]]);
         let footprints = Footprints::of(sampling, &at, receivers.len());
-        let slots = Slots::of(layout.clone(), wanted_texels(&footprints));
+        // Where receivers choose among maps, a move may lead them to any.
+        let slots = match field.chooses() {
+            true => Slots::of(layout.clone(), (0..layout.texels() as u32).into_par_iter()),
+            false => Slots::of(layout.clone(), wanted_texels(&footprints)),
+        };
         let reads = Reads::new(footprints, &slots);
         let drawn = |t: u32| layout.compared(raster.depth[t as usize]);
         let own = Drawn {
@@ -177,7 +182,27 @@ impl<'f, 'a> Chart<'f, 'a> {
     /// Weights of the tap-side parameters of a receiver under a format.
     #[must_use]
     pub fn weights(&self, texel: TexelFormat, i: usize) -> Weights {
-        self.site_weights()[i].with_step(texel.step(self.field.receivers.z[i]))
+        let z = self.layout.compared(self.field.receivers.z[i]);
+        self.site_weights()[i].with_step(texel.step(z))
+    }
+
+    /// The same in one of several maps.
+    #[must_use]
+    pub fn weights_in(&self, texel: TexelFormat, i: usize, map: usize) -> Weights {
+        let sample = &self.field.samples[i];
+        if map == sample.map {
+            return self.weights(texel, i);
+        }
+        let there = self.field.in_map(sample, map);
+        let z = self.layout.compared(there.coord[2]);
+        Weights::at(&self.field.site(&there, &self.layout), texel.step(z))
+    }
+
+    /// The bias of a recipe's taps in a map.
+    #[must_use]
+    pub fn tap_bias(&self, recipe: &Recipe, texel: TexelFormat, i: usize, map: usize) -> f32 {
+        let weighed = || recipe.tap_bias(&self.weights_in(texel, i, map));
+        recipe.common_bias().unwrap_or_else(weighed)
     }
 
     /// The indices of all receivers.

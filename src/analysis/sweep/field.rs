@@ -6,9 +6,10 @@ pub use super::receivers::Sample;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
-use crate::light::{Layout, Lookup};
+use crate::light::{Layout, Lens, Lookup};
 use crate::raster::passes::Subject;
 use crate::scene::{Case, TexelFormat};
+use crate::shadow::Few;
 use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
@@ -79,7 +80,11 @@ impl<'a> Field<'a> {
         let of = |sample: &Sample| {
             let offset = recipe.receiver_offset(&self.site(sample, layout));
             let coord = self.moved(sample, offset).unwrap_or(sample.coord);
-            Sample { coord, ..sample.clone() }
+            let lookups = match self.chooses() {
+                true => self.lookups_from(sample, offset),
+                false => Few::One(Lookup::only(coord)),
+            };
+            Sample { coord, lookups, ..sample.clone() }
         };
         let samples = self.samples.iter().map(of).collect();
         Self::of(self.observer.clone(), samples)
@@ -91,6 +96,48 @@ impl<'a> Field<'a> {
         let look = self.observer.lenses[sample.map].look(sample.receiver.position + offset)?;
         let change = (look - sample.exact).as_vec3().to_array();
         Some(std::array::from_fn(|i| sample.coord[i] + change[i]))
+    }
+
+    /// Whether receivers choose among several maps: then every comparison is made literally.
+    pub(super) fn chooses(&self) -> bool {
+        self.observer.lenses.len() > 1
+    }
+
+    /// A receiver as another of its maps sees it; the depths of one behind that map's eye are infinite.
+    pub(super) fn in_map(&self, sample: &Sample, map: usize) -> Sample {
+        let lens = &self.observer.lenses[map];
+        let position = sample.receiver.position;
+        let exact = lens.look(position).unwrap_or(DVec3::splat(f64::NEG_INFINITY));
+        let occluder = || self.observer.occluder_depth(map, &sample.receiver, &sample.answer);
+        let gap = if sample.lit { f64::INFINITY } else { exact.z - occluder() };
+        Sample {
+            map,
+            coord: sample.coords[map],
+            exact,
+            gap: if gap.is_finite() { gap } else { f64::INFINITY },
+            gradient: lens.gradient(sample.normal, position),
+            ..sample.clone()
+        }
+    }
+
+    /// What a receiver looks up after a move: in each map the subject's own coordinates plus the change of
+    /// the exact ones, one rounding each, and the choice among them; nothing behind all maps.
+    pub(super) fn lookups_from(&self, sample: &Sample, offset: DVec3) -> Few<Lookup> {
+        let from = sample.receiver.position;
+        let behind = [f32::NEG_INFINITY; 3];
+        let moved = |(lens, coord): (&Lens, &[f32; 3])| {
+            let Some((there, here)) = lens.look(from + offset).zip(lens.look(from)) else {
+                return behind;
+            };
+            let change = (there - here).as_vec3().to_array();
+            std::array::from_fn(|i| coord[i] + change[i])
+        };
+        let coords: Few<[f32; 3]> =
+            self.observer.lenses.iter().zip(&*sample.coords).map(moved).collect();
+        if coords.iter().all(|coord| *coord == behind) {
+            return Few::default();
+        }
+        self.observer.subject.lookups(from + offset, &coords)
     }
 
     /// Whether what no result depends on is left out.
@@ -186,7 +233,7 @@ impl<'a> Field<'a> {
 /// A receiver that counts, of known truth.
 fn judged(observer: &Observer<'_>, looking: Looking, exact: DVec3, answer: Answer) -> Sample {
     let Lookup { map, coord, .. } = *looking.main();
-    let Looking { pixel, receiver, coords, .. } = looking;
+    let Looking { pixel, receiver, coords, lookups } = looking;
     let lit = answer.truth == Truth::Lit;
     let case = observer.case();
     let area_normal = observer.geometry.area_normal(receiver.triangle);
@@ -202,6 +249,7 @@ fn judged(observer: &Observer<'_>, looking: Looking, exact: DVec3, answer: Answe
         pixel,
         receiver,
         coords,
+        lookups,
         map,
         coord,
         exact,

@@ -24,6 +24,10 @@ pub struct Look {
     pub sound: bool,
     /// Window depth that the caster was moved away from the light.
     pub gained: f64,
+    /// The map that it reads.
+    pub map: usize,
+    /// Depth in that map from the receiver's first occluder to itself.
+    pub gap: f64,
 }
 
 /// All comparisons of one receiver.
@@ -35,8 +39,6 @@ pub struct Looks {
     pub centre: usize,
     /// Whether the receiver is truly lit.
     pub lit: bool,
-    /// Window depth to its first occluder.
-    pub gap: f64,
     /// Way inside its true shadow, world units.
     pub inside: f64,
     /// Whether the receiver's move alone has made it lit.
@@ -48,7 +50,17 @@ impl Looks {
     /// the arbiter of [`crate::analysis::verdict`] and says by itself which tap decides.
     #[must_use]
     pub fn verdict(&self, rule: CompareRule, bias: f32) -> (Option<Kind>, i64) {
-        let is_lit = |look: &Look| rule.is_lit(look.z, look.stored, bias);
+        self.verdict_by(rule, |_| bias)
+    }
+
+    /// The same where each tap has a bias of its own.
+    #[must_use]
+    pub fn verdict_by(
+        &self,
+        rule: CompareRule,
+        bias: impl Fn(&Look) -> f32,
+    ) -> (Option<Kind>, i64) {
+        let is_lit = |look: &Look| rule.is_lit(look.z, look.stored, bias(look));
         let wrong = |look: &Look| is_lit(look) != self.lit;
         let weight: i64 = self.taps.iter().filter(|l| wrong(l)).map(|l| l.share).sum();
         let centre = self.taps.get(self.centre).filter(|l| wrong(l));
@@ -56,7 +68,7 @@ impl Looks {
             let lost = self.taps.is_empty() && !self.lit;
             return (lost.then_some(Kind::LIGHT_LEAK), if lost { SHARE as i64 } else { 0 });
         };
-        let hidden = self.moved_into_light || f64::from(bias) + look.gained >= self.gap;
+        let hidden = self.moved_into_light || f64::from(bias(look)) + look.gained >= look.gap;
         let kind = if self.lit {
             Kind::false_shadow(look.caster, look.sound)
         } else {
@@ -67,25 +79,30 @@ impl Looks {
 
     /// Adds the literal verdict to a tally.
     pub fn tally(&self, rule: CompareRule, bias: f32, tally: &mut Tally) {
-        let (kind, weight) = self.verdict(rule, bias);
+        self.tally_by(rule, |_| bias, tally);
+    }
+
+    /// The same where each tap has a bias of its own.
+    pub fn tally_by(&self, rule: CompareRule, bias: impl Fn(&Look) -> f32, tally: &mut Tally) {
+        let (kind, weight) = self.verdict_by(rule, bias);
         if let Some(kind) = kind {
             tally.kinds[kind.index()] += 1;
         }
         *(if self.lit { &mut tally.shadow } else { &mut tally.light }) += weight;
     }
 
-    /// Adds the breakpoints of this receiver to a curve, `bias` being the tap bias at an amount
+    /// Adds the breakpoints of this receiver to a curve, `bias` being the tap bias in a map at an amount
     /// (monotone in it) and `scale` its rough slope, which only speeds the search up.
     fn break_down(
         &self,
         rule: CompareRule,
-        bias: &impl Fn(f32) -> f32,
+        bias: &impl Fn(usize, f32) -> f32,
         scale: f32,
         curve: &mut Curve,
     ) {
         let first_lit = |look: &Look| {
             let guess = rule.turning_point(look.z, look.stored) / scale;
-            breakpoint_where(guess, |a| rule.is_lit(look.z, look.stored, bias(a)))
+            breakpoint_where(guess, |a| rule.is_lit(look.z, look.stored, bias(look.map, a)))
         };
         let breakpoints: Few<f32> = self.taps.iter().map(first_lit).collect();
         let Self { lit, inside, centre, .. } = *self;
@@ -101,7 +118,7 @@ struct Kept<'l, B> {
     scale: f32,
 }
 
-impl<B: Fn(f32) -> f32> Held for Kept<'_, B> {
+impl<B: Fn(usize, f32) -> f32> Held for Kept<'_, B> {
     fn caster(&self, tap: usize) -> StoredCaster {
         self.looks.taps[tap].caster
     }
@@ -115,14 +132,14 @@ impl<B: Fn(f32) -> f32> Held for Kept<'_, B> {
     }
 }
 
-impl<B: Fn(f32) -> f32> Along for Kept<'_, B> {
+impl<B: Fn(usize, f32) -> f32> Along for Kept<'_, B> {
     fn hides(&self, tap: usize) -> f32 {
         if self.looks.moved_into_light {
             return f32::NEG_INFINITY;
         }
-        let (gap, gained) = (self.looks.gap, self.looks.taps[tap].gained);
+        let Look { gap, gained, map, .. } = self.looks.taps[tap];
         let guess = (gap - gained) as f32 / self.scale;
-        breakpoint_where(guess, |a| f64::from((self.bias)(a)) + gained >= gap)
+        breakpoint_where(guess, |a| f64::from((self.bias)(map, a)) + gained >= gap)
     }
 }
 
@@ -136,18 +153,18 @@ pub fn literal(looks: &[Looks], rule: CompareRule, bias: impl Fn(usize) -> f32) 
     tally
 }
 
-/// The counts at every amount over receivers given with their index, `bias(i, a)` being the tap bias of
-/// receiver i at amount a (monotone in a) and `scale(i)` its rough slope.
+/// The counts at every amount over receivers given with their index, `bias(i, map, a)` being the tap bias
+/// of receiver i in a map at amount a (monotone in a) and `scale(i)` its rough slope.
 #[must_use]
 pub fn curve<'l>(
     looks: impl Iterator<Item = (usize, &'l Looks)>,
     rule: CompareRule,
-    bias: impl Fn(usize, f32) -> f32,
+    bias: impl Fn(usize, usize, f32) -> f32,
     scale: impl Fn(usize) -> f32,
 ) -> Curve {
     let mut curve = Curve::new(false);
     for (i, look) in looks {
-        look.break_down(rule, &|a| bias(i, a), scale(i), &mut curve);
+        look.break_down(rule, &|map, a| bias(i, map, a), scale(i), &mut curve);
     }
     curve.sorted()
 }

@@ -8,6 +8,7 @@
 
 mod block;
 pub mod chart;
+mod chosen;
 pub mod curve;
 mod drawn;
 pub mod evaluate;

@@ -26,10 +26,10 @@ pub struct Gallery<'f, 'a> {
     places: Vec<u32>,
 }
 
-/// The comparisons and tap biases of every receiver at one amount.
+/// The comparisons of every receiver at one amount, and the kind of each wrong verdict.
 struct Shown {
     looks: Vec<Looks>,
-    bias: Vec<f32>,
+    kinds: Vec<Option<Kind>>,
 }
 
 impl<'f, 'a> Gallery<'f, 'a> {
@@ -57,7 +57,11 @@ impl<'f, 'a> Gallery<'f, 'a> {
     fn shown(&self, strategy: Strategy, amount: f32) -> Shown {
         let looks = self.chart.looks(self.format, &strategy.with(amount));
         let taps = Taps::on(&self.chart, self.format, strategy);
-        Shown { bias: (0..looks.len()).map(|i| taps.bias(i, amount)).collect(), looks }
+        let rule = self.chart.field.case().lookup.compare;
+        let kind = |(i, looks): (usize, &Looks)| {
+            looks.verdict_by(rule, |look| taps.bias_in(i, look.map, amount)).0
+        };
+        Shown { kinds: looks.iter().enumerate().map(kind).collect(), looks }
     }
 
     /// The classified picture at one amount: white truly lit and right, grey truly shadowed and right.
@@ -101,14 +105,13 @@ impl<'f, 'a> Gallery<'f, 'a> {
     #[must_use]
     pub fn exr(&self, id: &str, strategy: Strategy, amount: f32) -> ExrImage {
         let [width, height] = self.size();
-        let rule = self.chart.field.case().lookup.compare;
         let shown = self.shown(strategy, amount);
         let names = ["depth.receiver.Z", "depth.stored.Z", "margin.Y", "class.Y", "truth.Y"];
         let mut layers = vec![vec![f32::NAN; (width * height) as usize]; names.len()];
-        let shown = shown.looks.iter().zip(&shown.bias).zip(&self.places);
-        for (sample, ((looks, &bias), &at)) in self.chart.field.samples.iter().zip(shown) {
+        let shown = shown.looks.iter().zip(&shown.kinds).zip(&self.places);
+        for (sample, ((looks, kind), &at)) in self.chart.field.samples.iter().zip(shown) {
             let Some(look) = looks.taps.get(looks.centre) else { continue };
-            let kind = looks.verdict(rule, bias).0.map_or(0, |k| k.index() as i32 + 1);
+            let kind = kind.map_or(0, |k| k.index() as i32 + 1);
             let values =
                 [look.z, look.stored, look.z - look.stored, kind as f32, f32::from(sample.lit)];
             for (layer, value) in layers.iter_mut().zip(values) {

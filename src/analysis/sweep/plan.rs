@@ -1,7 +1,6 @@
 //! What is swept: axes as flags give them, checked before anything runs.
 
 use crate::analysis::need::Need;
-use crate::depth::{DepthFormat, Packing};
 use crate::scene::{Case, Filter, TexelFormat, cases};
 use crate::shadow::bias::Strategy;
 use crate::{Error, Result};
@@ -116,16 +115,7 @@ impl std::str::FromStr for Range {
 /// # Errors
 /// [`Error::BadInput`] listing the names.
 pub fn format_named(name: &str) -> Result<TexelFormat> {
-    let format = name.parse().map(TexelFormat::Depth);
-    format.or_else(|_: Error| name.parse().map(TexelFormat::Packed)).map_err(|_: Error| {
-        let depths = DepthFormat::ALL.iter().map(|f| f.name());
-        let names: Vec<_> = depths.chain(Packing::ALL.iter().map(|p| p.name())).collect();
-        Error::bad_input(
-            format!("--format '{name}'"),
-            "no such format",
-            format!("use one of {}", names.join(", ")),
-        )
-    })
+    name.parse()
 }
 
 /// A filter by name; `own` is the case's.

@@ -17,10 +17,10 @@ use crate::shadow::{self, Few, Footprint, Footprints, Texels};
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
 /// One receiver's look-up.
-struct Glance<'g> {
-    sample: &'g Sample,
-    coord: [f32; 3],
-    footprint: Footprint<'g>,
+pub(super) struct Glance<'g> {
+    pub(super) sample: &'g Sample,
+    pub(super) coord: [f32; 3],
+    pub(super) footprint: Footprint<'g>,
 }
 
 impl Chart<'_, '_> {
@@ -79,6 +79,9 @@ impl Chart<'_, '_> {
     #[must_use]
     pub fn looks(&self, texel: TexelFormat, recipe: &Recipe) -> Vec<Looks> {
         self.with_maps(&[texel], recipe, &self.all(), |stores, surface| {
+            if self.field.chooses() {
+                return self.looks_chosen(&stores[0], recipe);
+            }
             match recipe.moves_receiver() {
                 true => self.looks_moved(&stores[0], recipe, surface),
                 false => self.looks_in_place(&stores[0], recipe, surface),
@@ -146,11 +149,23 @@ impl Chart<'_, '_> {
         at: &Glance<'_>,
         surface: &dyn Fn(usize, u32) -> (StoredCaster, f64),
     ) -> Looks {
-        let Glance { sample, coord, ref footprint } = *at;
-        let (spec, device, empty) = (&self.field.case().lookup, self.device(), unlooked(sample));
-        if spec.range_test && !shadow::in_square(coord) {
-            return empty;
+        let tested = self.field.case().lookup.range_test;
+        match tested && !shadow::in_square(at.coord) {
+            true => unlooked(at.sample),
+            false => self.comparisons(store, recipe, at, surface),
         }
+    }
+
+    /// The comparisons of one receiver in one map, whatever a range test says.
+    pub(super) fn comparisons(
+        &self,
+        store: &Store<'_>,
+        recipe: &Recipe,
+        at: &Glance<'_>,
+        surface: &dyn Fn(usize, u32) -> (StoredCaster, f64),
+    ) -> Looks {
+        let Glance { sample, coord, ref footprint } = *at;
+        let (device, empty) = (self.device(), unlooked(sample));
         let one = |i: usize, stored: f32| {
             let texel = footprint.texels[i];
             let (caster, gained) = surface(i, texel);
@@ -158,7 +173,8 @@ impl Chart<'_, '_> {
             let sound = store.is_sound(store.drawn(texel), read);
             let share = (footprint.share(i) * SHARE) as i64;
             let z = compared(recipe.follow, sample, coord[2], footprint, i);
-            Look { z, stored, share, caster, sound, gained }
+            let Sample { map, gap, .. } = *sample;
+            Look { z, stored, share, caster, sound, gained, map, gap }
         };
         if footprint.mixed.is_some() {
             let depth = shadow::mixed_depth(store, device, footprint);
@@ -187,6 +203,6 @@ pub(super) fn compared(
 }
 
 /// A receiver without comparisons.
-fn unlooked(sample: &Sample) -> Looks {
-    Looks { lit: sample.lit, gap: sample.gap, inside: sample.inside, ..Looks::default() }
+pub(super) fn unlooked(sample: &Sample) -> Looks {
+    Looks { lit: sample.lit, inside: sample.inside, ..Looks::default() }
 }

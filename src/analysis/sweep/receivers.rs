@@ -1,6 +1,7 @@
 //! What is known of the receivers of a case: of each all, and what every verdict asks in lists side by
 //! side, 29 bytes a receiver.
 
+use crate::light::Lookup;
 use crate::shadow::Few;
 use crate::truth::{Answer, Receiver};
 use glam::{DVec2, DVec3};
@@ -15,6 +16,8 @@ pub struct Sample {
     pub receiver: Receiver,
     /// Coordinates and compared depth in each map as the subject computes them.
     pub coords: Few<[f32; 3]>,
+    /// What it looks up: one map, or two that are mixed.
+    pub lookups: Few<Lookup>,
     /// The map that it looks up, or of two that are mixed the one with the larger share.
     pub map: usize,
     /// Its coordinates there.

@@ -36,7 +36,7 @@ impl Scales {
             world_per_window: 1.0
                 / field.site(middle, &field.case().light.layout(size)).window_per_world,
             resolvable: if counts { resolvable() } else { none.resolvable },
-            step: format.step(middle.coord[2]),
+            step: format.step(field.case().layout().compared(middle.coord[2])),
         }
     }
 }

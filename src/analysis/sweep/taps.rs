@@ -11,6 +11,8 @@ use crate::shadow::margins::biased;
 #[derive(Debug)]
 pub struct Taps {
     weight: Weight,
+    /// Where receivers choose among several maps and weights differ: of each map, of each receiver.
+    maps: Vec<Vec<f32>>,
     bound: f32,
 }
 
@@ -29,11 +31,15 @@ impl Taps {
     pub fn on(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy) -> Self {
         let (weight, bound) = Weights::default().of(strategy);
         if strategy.with(1.0).common_bias().is_some() {
-            return Self { weight: Weight::Common(weight), bound };
+            return Self { weight: Weight::Common(weight), maps: Vec::new(), bound };
         }
-        let receivers = chart.site_weights().iter().zip(&chart.field.receivers.z);
-        let of = |(weights, &z): (&Weights, &f32)| weights.with_step(format.step(z)).of(strategy).0;
-        Self { weight: Weight::Own(receivers.map(of).collect()), bound }
+        let all = || 0..chart.field.samples.len();
+        let own = all().map(|i| chart.weights(format, i).of(strategy).0).collect();
+        let maps = if chart.field.chooses() { chart.layout.rects().len() } else { 0 };
+        let of_map = |map: usize| {
+            all().map(|i| chart.weights_in(format, i, map).of(strategy).0).collect::<Vec<f32>>()
+        };
+        Self { weight: Weight::Own(own), maps: (0..maps).map(of_map).collect(), bound }
     }
 
     /// Window depth per unit of the amount at receiver i.
@@ -56,6 +62,13 @@ impl Taps {
         biased(amount, self.weight(i), self.bound)
     }
 
+    /// The same in one of several maps.
+    #[must_use]
+    pub fn bias_in(&self, i: usize, map: usize, amount: f32) -> f32 {
+        let weight = self.maps.get(map).map_or_else(|| self.weight(i), |weights| weights[i]);
+        biased(amount, weight, self.bound)
+    }
+
     /// Bias per amount, roughly.
     pub(super) fn scale(&self, i: usize) -> f32 {
         let weight = self.weight(i);
@@ -66,7 +79,8 @@ impl Taps {
     /// [`Self::curve_on`].
     #[must_use]
     pub fn curve(&self, looks: &[Looks], rule: CompareRule) -> Curve {
-        looks::curve(looks.iter().enumerate(), rule, |i, a| self.bias(i, a), |i| self.scale(i))
+        let bias = |i: usize, map: usize, a: f32| self.bias_in(i, map, a);
+        looks::curve(looks.iter().enumerate(), rule, bias, |i| self.scale(i))
     }
 
     /// The exact curve of the strategy on its chart.
@@ -77,7 +91,7 @@ impl Taps {
         format: TexelFormat,
         strategy: Strategy,
     ) -> Curve {
-        if chart.field.skips() {
+        if chart.field.skips() && !chart.field.chooses() {
             return chart.curve(format, strategy, self);
         }
         let looks = chart.looks(format, &strategy.with(0.0));

@@ -68,6 +68,9 @@ impl Chart<'_, '_> {
         recipe: &Recipe,
         which: &[u32],
     ) -> Vec<Vec<Wrong>> {
+        if self.field.chooses() {
+            return formats.iter().map(|&f| self.wrong_chosen(f, recipe, which)).collect();
+        }
         self.with_maps(formats, recipe, which, |stores, surface| {
             let verdict = |store| Verdicts { chart: self, recipe, store, surface };
             let verdicts: Vec<Verdicts<'_>> = stores.iter().map(verdict).collect();

@@ -8,6 +8,7 @@ use super::budget::Budget;
 use super::measure::unmeasured;
 use super::sweep::chart::{Attachment, Chart};
 use super::sweep::field::Sample;
+use super::sweep::looks::Look;
 use super::sweep::tally::{Kind, Tally};
 use super::sweep::{Field, Question, Range, Scales, Swept, amounts, sweep};
 use crate::engines::withdrawn::Withdrawal;
@@ -142,7 +143,7 @@ pub fn place_at(field: &Field<'_>, sample: &Sample, size: u32, format: TexelForm
         slope: receiver_slope(site.gradient, site.map_size),
         caster_slope,
         unit,
-        step: format.step(sample.coord[2]),
+        step: format.step(map.clip.compared(sample.coord[2])),
     }
 }
 
@@ -156,13 +157,13 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     let mut tally = Tally::default();
     for (i, mut looks) in there.looks(format, &casters).into_iter().enumerate() {
         let sample = &chart.field.samples[i];
-        let bias = recipe.tap_bias(&chart.weights(format, i));
-        let wrong = looks.verdict(rule, bias).0.is_some();
+        let bias = |look: &Look| chart.tap_bias(&recipe, format, i, look.map);
+        let wrong = looks.verdict_by(rule, bias).0.is_some();
         if recipe.moves_receiver() && !sample.lit && wrong {
             let offset = recipe.receiver_offset(&chart.site(i));
             looks.moved_into_light = chart.field.is_lit_from(sample, offset);
         }
-        looks.tally(rule, bias, &mut tally);
+        looks.tally_by(rule, bias, &mut tally);
     }
     tally
 }

@@ -56,6 +56,12 @@ impl Map {
         Self { view, projection, clip: ClipSpace::OPENGL, viewport, uploaded: None }
     }
 
+    /// The same map drawn into another part of a texture.
+    #[must_use]
+    pub fn on(self, viewport: Viewport) -> Self {
+        Self { viewport, ..self }
+    }
+
     /// The same map whose program uploads `matrix`, clip from world, instead of the product of projection
     /// and view; dropped by itself where either changes.
     #[must_use]

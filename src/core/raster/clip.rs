@@ -1,6 +1,5 @@
 //! Homogeneous clipping of a triangle against the view volume, in the subject's f32.
 
-use crate::num::exp2;
 use crate::view::ClipRange;
 use glam::Vec4;
 
@@ -60,15 +59,10 @@ pub(super) fn needs_clipping(clip: &[Vec4; 3], range: ClipRange) -> bool {
 /// The part of a triangle inside the view volume; empty if there is none.
 ///
 /// New corners are f32((f32(db·a) − f32(da·b)) · f32(1/(db − da))) with a inside, so that an edge
-/// shared by two triangles is cut at the same point from both sides. All corners are first divided by
-/// the power of two of the largest coordinate, which no place on the screen depends on and which keeps
-/// the products from overflowing or vanishing at any scale of the scene.
+/// shared by two triangles is cut at the same point from both sides.
 pub(super) fn clip(clip: &[Vec4; 3], range: ClipRange) -> Polygon {
     let mut polygon = Polygon::new();
-    let largest = clip.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
-    let exponent = (largest.to_bits() >> 23) as i32 - 127;
-    let scale = exp2(-exponent.min(127)) as f32;
-    clip.iter().for_each(|&v| polygon.push(v * scale));
+    clip.iter().for_each(|&v| polygon.push(v));
     for plane in 0..6 {
         polygon = clip_plane(&polygon, plane, least(range));
     }

@@ -3,6 +3,7 @@
 use super::Filter;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
+use crate::{Error, Result};
 
 crate::catalogue! {
     /// The depth attachment that decides which fragment a texel keeps.
@@ -21,6 +22,20 @@ pub enum TexelFormat {
     Depth(DepthFormat),
     /// Four colour bytes.
     Packed(Packing),
+}
+
+impl std::str::FromStr for TexelFormat {
+    type Err = Error;
+
+    /// A depth format or packing by name.
+    fn from_str(name: &str) -> Result<Self> {
+        let format = name.parse().map(Self::Depth);
+        format.or_else(|_: Error| name.parse().map(Self::Packed)).map_err(|_: Error| {
+            let names: Vec<_> = Self::all().map(Self::name).collect();
+            let fix = format!("use one of {}", names.join(", "));
+            Error::bad_input(format!("'{name}'"), "is no known depth format or packing", fix)
+        })
+    }
 }
 
 impl TexelFormat {

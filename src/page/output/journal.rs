@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::found;
 use super::put::put;
+use crate::input;
 use gnomon_core::error::shown;
 use gnomon_core::{Error, Result};
 
@@ -88,13 +89,7 @@ impl Contents {
     }
 
     fn read(path: &Path, header: &Header) -> Result<(Self, usize)> {
-        let bytes = match found::read(path, LARGEST) {
-            Ok(Some(bytes)) => bytes,
-            Ok(None) => return Err(Error::read(path, std::io::ErrorKind::NotFound.into())),
-            Err(reason) => {
-                return Err(Error::bad_input(shown(path), reason, "give a journal's file"));
-            }
-        };
+        let bytes = input::read(path, LARGEST)?;
         let contents = Self::parse(&shown(path), &bytes)?;
         if contents.header == *header {
             return Ok((contents, bytes.len()));
