@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use gnomon::conformance::device_json::{self, MeasuredDevice};
-use gnomon::conformance::{self, Outcome};
+use gnomon::conformance::{self, Compared};
 use gnomon::device::{Device, DeviceProfile};
 use gnomon::harness;
 use gnomon::{Error, Result};
@@ -91,7 +91,7 @@ fn check(arguments: &Arguments) -> Result<()> {
     outcome.map_or(Ok(()), |outcome| outcome.verdict(&place, arguments.allow_missing))
 }
 
-fn json(subject: &Subject, outcome: Option<&Outcome>) -> serde_json::Value {
+fn json(subject: &Subject, outcome: Option<&Compared>) -> serde_json::Value {
     let entries = outcome.map(|outcome| &outcome.entries[..]).unwrap_or_default();
     let mut json = serde_json::json!({ "schema": "gnomon-conformance-1", "entries": entries });
     if let Subject::Measured(measured) = subject {
@@ -100,7 +100,7 @@ fn json(subject: &Subject, outcome: Option<&Outcome>) -> serde_json::Value {
     json
 }
 
-fn print(subject: &Subject, outcome: Option<&Outcome>) -> Result<()> {
+fn print(subject: &Subject, outcome: Option<&Compared>) -> Result<()> {
     if let Subject::Measured(measured) = subject {
         harness::print_table(&measured.table())?;
         harness::print(&format!("\n{}\n\n", measured.notes().join("\n")))?;

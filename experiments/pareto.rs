@@ -85,7 +85,7 @@ fn body(args: &Args) -> Result<()> {
     let (report, _) = args.common.publish("pareto", measure)?;
     if let Some(path) = &args.times {
         let written = times.iter().try_for_each(|times| print(&time::text(times)));
-        let written = written.and_then(|()| write_json(path, &times.into()));
+        let written = written.and_then(|()| write_json(path, &times));
         written.map_err(|e| e.having_written("the report"))?;
     }
     report.complete()

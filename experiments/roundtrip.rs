@@ -1,7 +1,7 @@
 //! Does this pack/unpack pair lose bits, where, why, and on which hardware?
 
 use clap::Parser;
-use gnomon::analysis::roundtrip::report::{self, Options};
+use gnomon::analysis::roundtrip::report::{self, CertifyOptions};
 use gnomon::depth::Packing;
 use gnomon::depth::packing::TextPair;
 use gnomon::harness::{self, Common, Progress};
@@ -60,7 +60,7 @@ fn main() -> ExitCode {
     let arguments: Arguments = harness::arguments();
     harness::run(|| {
         arguments.common.start()?;
-        let options = Options {
+        let options = CertifyOptions {
             profile: arguments.common.profile(),
             seed: arguments.common.seed,
             exhaustive: arguments.exhaustive,

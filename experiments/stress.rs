@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 
 fn stress_all(common: &Common) -> Result<()> {
     common.start()?;
-    let options = document::Options { profile: common.profile(), seed: common.seed };
+    let options = document::StressOptions { profile: common.profile(), seed: common.seed };
     let stress = || {
         let progress = Progress::new(stress::count(), "stressing");
         Ok(document::report(&options, || progress.step()))

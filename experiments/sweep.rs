@@ -54,7 +54,7 @@ normal-offset,receiver-plane,adaptive,front-culling,midpoint"
     fail_acne: Option<String>,
     /// Exit with 1 where no amount keeps contact gaps within this length (2texels, or world units)
     #[arg(long, value_name = "LENGTH")]
-    fail_peter_panning: Option<gate::Length>,
+    fail_peter_panning: Option<gate::LengthLimit>,
     /// Exit with 1 where a combination is worse than in this results.json
     #[arg(long, value_name = "PATH")]
     baseline: Option<PathBuf>,
@@ -95,8 +95,8 @@ fn body(args: &Args) -> Result<()> {
     let job = Job { name: "sweep", key: shard::key(&plan), items: shard::items(&plan) };
     let mut worker = shard::Worker::new(&plan, args.effort.effort());
     let compute = |item| worker.compute(item);
-    let Some(done) = args.division.run(&args.common, &job, compute)? else { return Ok(()) };
-    let sweeps = shard::assemble(&plan, &done.results())?;
+    let Some(mut done) = args.division.run(&args.common, &job, compute)? else { return Ok(()) };
+    let sweeps = shard::assemble(&plan, std::mem::take(&mut done.results));
     let (profile, seed) = (args.common.profile(), args.common.seed);
     let command = Common::command("gnomon-sweep");
     let mut report = sweep::report::report(&plan, &sweeps, profile, seed, command);

@@ -193,8 +193,8 @@ fn summary(report: &Report, written: &Written) -> String {
 }
 
 /// JSON in which characters that steer a terminal are escaped, as JSON itself allows.
-fn json_text(value: &serde_json::Value) -> String {
-    let text = serde_json::to_string_pretty(value).expect("a JSON value is JSON");
+fn json_text(value: &impl serde::Serialize) -> String {
+    let text = serde_json::to_string_pretty(value).expect("results are JSON");
     let mut told = String::with_capacity(text.len() + 1);
     for c in text.chars() {
         match c {
@@ -212,7 +212,7 @@ fn json_text(value: &serde_json::Value) -> String {
 ///
 /// # Errors
 /// [`Error::Write`] where the path cannot be written, [`Error::Partial`] where a signal came first.
-pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
+pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
     let sink = Sink::new(path, json_text(value))?;
     sink.deliver()?;
     signals::commit()?;

@@ -1,7 +1,7 @@
 //! Every measured round-trip error against its proved bound, side by side.
 
 use gnomon::analysis::roundtrip::curve::error_curve;
-use gnomon::analysis::roundtrip::{Conditions, Effort, Method};
+use gnomon::analysis::roundtrip::{Certifier, Conditions, Method};
 use gnomon::depth::{Arithmetic, ByteStore, Packing, UnormLoad};
 use gnomon::simd::Level;
 
@@ -12,7 +12,7 @@ fn check_bounds(method: Method, stores: &[ByteStore], loads: &[UnormLoad]) -> us
     /// and of the typo; with the sampler's reciprocal those of RGBA neither.
     const LOOSE: [Packing; 4] =
         [Packing::ThreeR86, Packing::ThreeR68, Packing::Aras160581375, Packing::ThreeRgba];
-    let effort = Effort { method, level: Level::best() };
+    let effort = Certifier { method, level: Level::best() };
     let mut checked = 0;
     for &packing in Packing::ALL.iter().filter(|p| p.original() == **p) {
         for (&store, &load) in stores.iter().flat_map(|s| loads.iter().map(move |l| (s, l))) {

@@ -201,8 +201,15 @@ fn job() -> Job {
     Job { name: "work", key: "k".into(), items }
 }
 
+/// What a run of [`job`] gives.
+type Bytes = Done<Vec<u8>>;
+
 /// Runs the job; item 2 panics where `broken`. Also says which items were computed.
-fn work(division: &Division, out: &Path, broken: bool) -> (gnomon::Result<Option<Done>>, Vec<u32>) {
+fn work(
+    division: &Division,
+    out: &Path,
+    broken: bool,
+) -> (gnomon::Result<Option<Bytes>>, Vec<u32>) {
     let computed = RefCell::new(Vec::new());
     let done = division.run(&common(out), &job(), |item| {
         computed.borrow_mut().push(item);
@@ -212,8 +219,8 @@ fn work(division: &Division, out: &Path, broken: bool) -> (gnomon::Result<Option
     (done, computed.into_inner())
 }
 
-fn finished(done: &Done) -> Vec<u32> {
-    done.results().into_keys().collect()
+fn finished(done: &Bytes) -> Vec<u32> {
+    done.results.keys().copied().collect()
 }
 
 /// R41.
@@ -276,8 +283,8 @@ fn a_sweep_that_lost_an_item_reports_the_rest() {
         assert!(item != 0, "fell over");
         worker.compute(item)
     };
-    let done = Division::default().run(&common, &job, compute).unwrap().unwrap();
-    let sweeps = shard::assemble(&plan, &done.results()).unwrap();
+    let mut done = Division::default().run(&common, &job, compute).unwrap().unwrap();
+    let sweeps = shard::assemble(&plan, std::mem::take(&mut done.results));
     assert!(sweeps[0].swept.iter().all(|s| s.size == 64) && !sweeps[0].swept.is_empty());
     let mut report = sweep::report::report(&plan, &sweeps, Profile::Quick, 1, "c".to_string());
     report.warnings.extend(done.warnings());

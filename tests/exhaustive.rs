@@ -4,8 +4,8 @@
 //! -- --ignored` (some minutes).
 
 use gnomon::analysis::roundtrip::survey::{FLOATS, ONE, segments, survey_format, tally};
-use gnomon::analysis::roundtrip::tally::Tally;
-use gnomon::analysis::roundtrip::{Certificate, Conditions, Effort, Method, survey};
+use gnomon::analysis::roundtrip::tally::ErrorTally;
+use gnomon::analysis::roundtrip::{Certificate, Certifier, Conditions, Method, survey};
 use gnomon::depth::arith::Raw;
 use gnomon::depth::roundtrip::{AnyRoundTrip, Path};
 use gnomon::depth::{
@@ -15,7 +15,7 @@ use gnomon::num::exp2;
 use gnomon::simd::Level;
 
 fn pruned(packing: Packing, load: UnormLoad, arithmetic: Arithmetic) -> Certificate {
-    let effort = Effort { method: Method::Pruned, level: Level::best() };
+    let effort = Certifier { method: Method::Pruned, level: Level::best() };
     let store = ByteStore::HalfEven;
     let certificate = effort.certify_packing(packing, Conditions { store, load, arithmetic });
     assert_eq!(certificate.answered, FLOATS);
@@ -157,7 +157,7 @@ fn every_code_of_32_bits_is_invertible() {
 #[ignore = "soak: 2^26 codes by break points"]
 fn truncated_32_bits_lose_a_whole_step() {
     let trip = FormatTrip { store: UnormStore::Truncate, ..format_trip(DepthFormat::Unorm32) };
-    let effort = Effort { method: Method::BreakPoints, level: Level::best() };
+    let effort = Certifier { method: Method::BreakPoints, level: Level::best() };
     let truncated = effort.certify_format(trip);
     let step = exp2(-32);
     assert!(truncated.max.error <= step * (1.0 + exp2(-20)), "{:?}", truncated.max);
@@ -211,7 +211,7 @@ fn half_precision_breaks_every_form_with_a_large_factor() {
     }
 }
 
-fn assert_same<F: Raw>(name: &str, fast: &Tally<F>, brute: &Tally<F>) {
+fn assert_same<F: Raw>(name: &str, fast: &ErrorTally<F>, brute: &ErrorTally<F>) {
     let place = format!("{name} from {:e}", f32::from_bits(brute.start));
     assert_eq!((fast.start, fast.count), (brute.start, brute.count), "{place}");
     assert_eq!(fast.above, brute.above, "{place}: greatest error above, and where");
@@ -339,7 +339,7 @@ fn break_points_equal_brute_force() {
     for &format in DepthFormat::ALL {
         let trip = format_trip(format);
         for (start, end) in windows().filter(|w| format != DepthFormat::F32 || w.1 > 0x3f00_0000) {
-            let fast: Tally<f64> = tally(&trip, Level::best(), Method::Pruned, start, end);
+            let fast: ErrorTally<f64> = tally(&trip, Level::best(), Method::Pruned, start, end);
             let brute = tally(&trip, Level::best(), Method::Brute, start, end);
             assert_same(format.name(), &fast, &brute);
         }
@@ -356,7 +356,7 @@ fn break_points_equal_brute_force() {
 /// R1: UNORM16 ≤ 1/(2(2¹⁶ − 1)), decoded in f64; met at 0.5, a tie.
 #[test]
 fn unorm16_meets_its_bound() {
-    let effort = Effort { method: Method::BreakPoints, level: Level::best() };
+    let effort = Certifier { method: Method::BreakPoints, level: Level::best() };
     let unorm16 = effort.certify_format(format_trip(DepthFormat::Unorm16));
     let bound = 0.5 / 65_535.0;
     assert!((unorm16.max.error / bound - 1.0).abs() < 1e-12, "{:?}", unorm16.max);

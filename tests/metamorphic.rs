@@ -10,7 +10,7 @@ use gnomon::raster::passes::{MapRaster, Transformed, draw_map, map_depth_buffer}
 use gnomon::report::Profile;
 use gnomon::scene::{Case, Mesh, cases, cases::analytic};
 use gnomon::shadow::visibility;
-use gnomon::stress::{self, Effort, Sheet};
+use gnomon::stress::{self, Sampling, Sheet};
 use gnomon::view::{Projection, View};
 
 fn named(names: &[&str]) -> Vec<Case> {
@@ -343,7 +343,7 @@ fn threads_change_no_byte() {
         let report = documents::report(&options, || ()).expect("a known case");
         report.files().into_iter().map(|f| (f.name, f.bytes)).collect::<Vec<_>>()
     };
-    let numbers = || format!("{:?}", stress::run(&Effort { samples: 32, seed: 1 }, || ()));
+    let numbers = || format!("{:?}", stress::run(&Sampling { samples: 32, seed: 1 }, || ()));
     let alone = with_threads(1, || (files(), numbers()));
     assert!(alone.0.len() > 5 && alone.1.len() > 10_000, "there is something to compare");
     for threads in [2, 3, 8] {

@@ -1,6 +1,6 @@
 //! Properties of mappings, packings and users' own pairs, from inputs biased to trouble.
 
-use gnomon::analysis::roundtrip::{Conditions, Effort, Method};
+use gnomon::analysis::roundtrip::{Certifier, Conditions, Method};
 use gnomon::depth::packing::TextPair;
 use gnomon::depth::roundtrip::{AnyRoundTrip, Path};
 use gnomon::depth::{
@@ -248,7 +248,7 @@ fn formats_resolve_what_the_tables_say() {
 #[test]
 fn closures_are_certified() {
     let own = |z: f32| [z, 0.0, 0.0, 0.0];
-    let effort = Effort { method: Method::Sampled, level: Level::best() };
+    let effort = Certifier { method: Method::Sampled, level: Level::best() };
     let conditions = Conditions::plain(ByteStore::HalfEven);
     let mine = effort.certify_closures("mine", 1, conditions, own, |c| c[0]);
     let catalogued = effort.certify_packing(Packing::R8, conditions);
@@ -277,7 +277,7 @@ fn a_bad_pair_is_refused_with_one_sentence() {
 /// The literal rule z > D + b: the forced bias frees every looked-at depth, a step less does not.
 #[test]
 fn the_forced_bias_is_the_least() {
-    let effort = Effort { method: Method::Pruned, level: Level::best() };
+    let effort = Certifier { method: Method::Pruned, level: Level::best() };
     for packing in [Packing::R8, Packing::ThreeRg, Packing::Digits16] {
         let certificate = effort.certify_packing(packing, Conditions::plain(ByteStore::HalfEven));
         let trip = f32_trip(packing, ByteStore::HalfEven);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use gnomon::analysis::pareto::cost::{Cost, unpack_operations};
-use gnomon::analysis::pareto::{Entry, Errors, algorithms, mark_front};
+use gnomon::analysis::pareto::{Combination, LeftWrong, algorithms, mark_front};
 use gnomon::depth::{DepthFormat, Packing};
 use gnomon::scene::cases::standard::{NAMES, named};
 use gnomon::scene::{Case, Filter, TexelFormat};
@@ -82,18 +82,18 @@ fn costs_are_those_of_the_formulas() {
     assert_eq!(TexelFormat::Packed(Packing::Book).bytes(), 4);
 }
 
-fn entry(case: &str, size: u32, false_shadow: f64) -> Entry {
-    Entry {
+fn entry(case: &str, size: u32, false_shadow: f64) -> Combination {
+    Combination {
         case: case.into(),
-        format: F32.name(),
+        format: F32,
         size,
-        filter: Filter::Nearest.name(),
-        strategy: Strategy::Constant.name(),
+        filter: Filter::Nearest,
+        strategy: Strategy::Constant,
         amount: 0.0,
         unit: Strategy::Constant.unit(),
         acne_free: Some(true),
         cost: Cost::of(F32, size, Filter::Nearest, Strategy::Constant),
-        errors: Errors {
+        errors: LeftWrong {
             false_shadow: Some(false_shadow),
             false_light: Some(0.0),
             peter_panning: 0.0,
@@ -105,7 +105,8 @@ fn entry(case: &str, size: u32, false_shadow: f64) -> Entry {
 #[test]
 fn the_front_is_what_nothing_beats() {
     let sizes = [(256, 0.5), (512, 0.1), (1024, 0.1), (2048, 0.0), (512, 0.1)];
-    let mut entries: Vec<Entry> = sizes.iter().map(|&(size, e)| entry("a", size, e)).collect();
+    let mut entries: Vec<Combination> =
+        sizes.iter().map(|&(size, e)| entry("a", size, e)).collect();
     entries.push(entry("b", 4096, 1.0));
     mark_front(&mut entries);
     let front: Vec<bool> = entries.iter().map(|e| e.front).collect();

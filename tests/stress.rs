@@ -1,13 +1,13 @@
 //! The verdict table: every row within 5 % of its forecast, and rows that can fail.
 
 use gnomon::report::Profile;
-use gnomon::stress::{Effort, Fate, Stress, document, run};
+use gnomon::stress::{Fate, Sampling, Stress, document, run};
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 fn stresses() -> &'static [Stress] {
     static ALL: OnceLock<Vec<Stress>> = OnceLock::new();
-    ALL.get_or_init(|| run(&Effort { samples: 512, seed: 1 }, || ()))
+    ALL.get_or_init(|| run(&Sampling { samples: 512, seed: 1 }, || ()))
 }
 
 #[test]
@@ -81,9 +81,9 @@ fn stored_distances_err_by_their_roundings() {
 #[test]
 fn the_report_repeats_itself_and_stays_small() {
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let again = alone.install(|| run(&Effort { samples: 512, seed: 1 }, || ()));
+    let again = alone.install(|| run(&Sampling { samples: 512, seed: 1 }, || ()));
     assert!(again == stresses(), "another number of threads gives other numbers");
-    let options = document::Options { profile: Profile::Quick, seed: 1 };
+    let options = document::StressOptions { profile: Profile::Quick, seed: 1 };
     assert_eq!(options.samples(), 512);
     let files = document::render(&options, &again).files();
     let bytes: usize = files.iter().map(|f| f.bytes.len()).sum();

@@ -287,7 +287,7 @@ fn gates_judge_the_amounts_that_were_asked_for() {
         max_acne: 0.0,
     };
     let acne = gate::Limits { acne: Some(0.001), peter_panning: None };
-    let both = gate::Limits { peter_panning: Some(gate::Length::Texels(2.0)), ..acne };
+    let both = gate::Limits { peter_panning: Some(gate::LengthLimit::Texels(2.0)), ..acne };
     let judged = |bias: &str, limits| gate::failures(&run(&plan(bias), || {}), limits);
     let failures = |bias: &str| judged(bias, &acne);
     assert_eq!(failures("0.0001").len(), 1, "half of the plane is dark");

@@ -12,7 +12,7 @@
 //! that is busy or slow lowers the limit as it lowers the loop.
 
 use gnomon::analysis::roundtrip::survey::{FLOATS, survey_format};
-use gnomon::analysis::roundtrip::{Conditions, Effort, Method, survey};
+use gnomon::analysis::roundtrip::{Certifier, Conditions, Method, survey};
 use gnomon::depth::roundtrip::{AnyRoundTrip, Path};
 use gnomon::depth::{
     Arithmetic, ByteStore, DepthFormat, FormatTrip, Packing, RoundTrip, UnormLoad, UnormStore,
@@ -143,7 +143,7 @@ fn one_thread() {
 }
 
 fn whole() {
-    let effort = Effort { method: Method::Pruned, level: Level::best() };
+    let effort = Certifier { method: Method::Pruned, level: Level::best() };
     let stores = [ByteStore::HalfEven, ByteStore::Truncate, ByteStore::Admissible];
     let originals = Packing::ALL.iter().filter(|p| p.original() == **p);
     let jobs: Vec<_> = originals.flat_map(|&p| stores.map(|store| (p, store))).collect();

@@ -3,7 +3,7 @@
 use super::classify::{Artifact, Kind};
 use super::curve::Thresholds;
 use super::ladder::Rung;
-use super::measurement::{Gap, InteriorTotal, Samples, ShadowInterior, Tally, Wrongs, share};
+use super::measurement::{Gap, InteriorTotal, ObjectTally, Samples, ShadowInterior, Wrongs, share};
 use super::observe::{Observation, Standing};
 use crate::scene::Case;
 use crate::truth::Truth;
@@ -27,8 +27,8 @@ pub(super) struct Counts<'o> {
     wrongs: [Wrong; 2],
     on_rung: [u64; 5],
     /// By object.
-    all: Vec<Tally>,
-    interior: Vec<Tally>,
+    all: Vec<ObjectTally>,
+    interior: Vec<ObjectTally>,
     shadow_interior: u64,
     /// By the receiver's object.
     leaks: Vec<u64>,
@@ -74,8 +74,8 @@ impl<'o> Counts<'o> {
             striped: Vec::new(),
             wrongs: Default::default(),
             on_rung: [0; 5],
-            all: vec![Tally::default(); objects],
-            interior: vec![Tally::default(); objects],
+            all: vec![ObjectTally::default(); objects],
+            interior: vec![ObjectTally::default(); objects],
             shadow_interior: 0,
             leaks: vec![0; objects],
             cast: vec![[0; 2]; objects],
@@ -164,12 +164,12 @@ impl<'o> Counts<'o> {
     }
 
     /// All receivers by the name of their object.
-    pub(super) fn by_object(&self, case: &Case) -> BTreeMap<String, Tally> {
+    pub(super) fn by_object(&self, case: &Case) -> BTreeMap<String, ObjectTally> {
         by_name(case, &self.all)
     }
 
     /// Receivers away from every edge, by object, and all of them.
-    pub(super) fn interiors(&self, case: &Case) -> (BTreeMap<String, Tally>, InteriorTotal) {
+    pub(super) fn interiors(&self, case: &Case) -> (BTreeMap<String, ObjectTally>, InteriorTotal) {
         let tallies = by_name(case, &self.interior);
         let total = InteriorTotal::of(&tallies);
         (tallies, total)
@@ -251,8 +251,8 @@ fn sum(totals: &mut [u64], others: &[u64]) {
 }
 
 /// Objects of the same name together.
-fn by_name(case: &Case, tallies: &[Tally]) -> BTreeMap<String, Tally> {
-    let mut by_name: BTreeMap<String, Tally> = BTreeMap::new();
+fn by_name(case: &Case, tallies: &[ObjectTally]) -> BTreeMap<String, ObjectTally> {
+    let mut by_name: BTreeMap<String, ObjectTally> = BTreeMap::new();
     for (object, tally) in case.objects.iter().zip(tallies) {
         by_name.entry(object.name.clone()).or_default().merge(tally);
     }

@@ -3,7 +3,7 @@
 use super::measure::unmeasured;
 use super::measurement::share;
 use super::sweep::chart::{Attachment, Chart};
-use super::sweep::curve::Curve;
+use super::sweep::curve::SweptCurve;
 use super::sweep::pictures::Gallery;
 use super::sweep::plots::thinned;
 use super::sweep::tally::{Kind, Tally};
@@ -41,7 +41,7 @@ fn reverses(case: &Case, format: TexelFormat) -> bool {
 
 /// A format on a case.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct FormatAnswer {
     /// The format.
     pub format: TexelFormat,
     /// Whether 1 is near.
@@ -72,7 +72,7 @@ pub fn biases() -> Vec<f32> {
     list
 }
 
-impl Measured {
+impl FormatAnswer {
     /// Its name in tables.
     #[must_use]
     pub fn name(&self) -> String {
@@ -143,11 +143,11 @@ fn rate(rate: Option<f64>) -> String {
     rate.map_or_else(|| "an unmeasured share".to_string(), |rate| percent(rate, 3))
 }
 
-fn shares(curve: &Curve, lit: u64) -> Vec<f64> {
+fn shares(curve: &SweptCurve, lit: u64) -> Vec<f64> {
     curve.at(&biases()).iter().filter_map(|t| share(t.false_shadow() as u64, lit)).collect()
 }
 
-fn wrong_shares(curve: &Curve, receivers: usize) -> Vec<Option<f64>> {
+fn wrong_shares(curve: &SweptCurve, receivers: usize) -> Vec<Option<f64>> {
     let wrong = |t: &Tally| share((t.false_shadow() + t.false_light()) as u64, receivers as u64);
     curve.at(&biases()).iter().map(wrong).collect()
 }
@@ -162,7 +162,7 @@ fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> Opti
 
 /// All formats of a case at its own map size and filter.
 #[must_use]
-pub fn measure(field: &Field<'_>) -> Vec<Measured> {
+pub fn measure(field: &Field<'_>) -> Vec<FormatAnswer> {
     let case = field.case();
     let chart = |attachment| {
         let format = *FORMATS.iter().find(|&&f| Attachment::of(f) == attachment)?;
@@ -178,14 +178,14 @@ pub fn measure(field: &Field<'_>) -> Vec<Measured> {
             Attachment::Depth => depth.as_ref(),
             Attachment::Colour => colour.as_ref(),
         };
-        Some(Measured::new(chart?, format, reversed))
+        Some(FormatAnswer::new(chart?, format, reversed))
     };
     all.par_iter().filter_map(one).collect()
 }
 
-fn plot(id: &str, case: &Case, formats: &[Measured]) -> Plot {
+fn plot(id: &str, case: &Case, formats: &[FormatAnswer]) -> Plot {
     let xs = biases();
-    let line = |(i, m): (usize, &Measured)| Series {
+    let line = |(i, m): (usize, &FormatAnswer)| Series {
         name: m.name(),
         style: if m.reversed { Style::Theory } else { Style::Steps },
         colour: Colour::series(FORMATS.iter().position(|&f| f == m.format).unwrap_or(i)),
@@ -219,7 +219,7 @@ fn overview_map(cases: &[Case], criticals: &[Option<f64>]) -> HeatMap {
     }
 }
 
-fn row(case: &Case, m: &Measured, texel: f64) -> Vec<Cell> {
+fn row(case: &Case, m: &FormatAnswer, texel: f64) -> Vec<Cell> {
     vec![
         Cell::from(case.name.as_str()),
         Cell::from(m.name()),
@@ -258,7 +258,7 @@ fn ids(cases: &[Case]) -> Vec<String> {
 fn layers<'m>(
     field: &'m Field<'_>,
     id: &'m str,
-    formats: &'m [Measured],
+    formats: &'m [FormatAnswer],
     step: u32,
 ) -> impl Iterator<Item = Block> + 'm {
     formats.iter().filter(|m| !m.reversed).map(move |m| {

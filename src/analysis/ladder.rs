@@ -17,11 +17,11 @@ crate::catalogue! {
 }
 
 /// Whether each rung's verdict differs from the truth; the last one is the subject itself.
-pub type Wrong = [bool; 5];
+pub type WrongRungs = [bool; 5];
 
 /// The first rung from which the verdict stays wrong to the end; `None` if the end is right.
 #[must_use]
-pub fn cause(wrong: &Wrong) -> Option<Rung> {
+pub fn cause(wrong: &WrongRungs) -> Option<Rung> {
     let right_until = wrong.iter().rposition(|&w| !w).map_or(0, |last_right| last_right + 1);
     Rung::ALL.get(right_until).copied()
 }
@@ -42,7 +42,7 @@ mod tests {
     #[test]
     fn repairing_the_blamed_rung_repairs_the_sample() {
         for bits in 0..32u8 {
-            let wrong: Wrong = std::array::from_fn(|i| bits & (1 << i) != 0);
+            let wrong: WrongRungs = std::array::from_fn(|i| bits & (1 << i) != 0);
             let Some(blamed) = cause(&wrong) else { continue };
             let index = Rung::ALL.iter().position(|&r| r == blamed).unwrap();
             assert!(wrong[index..].iter().all(|&w| w), "{wrong:?}: wrong from there to the end");

@@ -101,7 +101,7 @@ pub struct Wrongs {
 
 /// Counts of one object's receivers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Tally {
+pub struct ObjectTally {
     /// Truly lit.
     pub lit: u64,
     /// Truly shadowed.
@@ -114,7 +114,7 @@ pub struct Tally {
     pub false_shadow_without_bias: u64,
 }
 
-impl Tally {
+impl ObjectTally {
     pub(super) fn add(&mut self, o: &Observation) {
         match o.truly_lit() {
             Some(true) => self.lit += 1,
@@ -132,7 +132,7 @@ impl Tally {
     }
 }
 
-impl Tally {
+impl ObjectTally {
     /// Adds the counts of another object of the same name.
     pub(super) fn merge(&mut self, other: &Self) {
         self.lit += other.lit;
@@ -155,8 +155,8 @@ pub struct InteriorTotal {
 }
 
 impl InteriorTotal {
-    pub(super) fn of(tallies: &BTreeMap<String, Tally>) -> Self {
-        let sum = |count: fn(&Tally) -> u64| tallies.values().map(count).sum::<u64>();
+    pub(super) fn of(tallies: &BTreeMap<String, ObjectTally>) -> Self {
+        let sum = |count: fn(&ObjectTally) -> u64| tallies.values().map(count).sum::<u64>();
         let lit = sum(|t| t.lit);
         let share = |n: u64| share(n, lit);
         Self {
@@ -245,13 +245,13 @@ pub struct Measurement {
     /// Exact depth gaps of the truly shadowed.
     pub exact_gap: Option<Gap>,
     /// Receivers away from every edge, by object.
-    pub interior: BTreeMap<String, Tally>,
+    pub interior: BTreeMap<String, ObjectTally>,
     /// The interior of all objects together.
     pub interior_total: InteriorTotal,
     /// Truly shadowed receivers away from every edge, those that face away from the light included.
     pub shadow_interior: ShadowInterior,
     /// All receivers, by object.
-    pub by_object: BTreeMap<String, Tally>,
+    pub by_object: BTreeMap<String, ObjectTally>,
     /// Objects whose whole shadow is gone although it covers counted receivers.
     pub lost_shadows: Vec<String>,
     /// Longest falsely lit strip by peter-panning.

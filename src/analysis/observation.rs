@@ -1,7 +1,7 @@
 //! What is known about one receiver: standing, truth, look-up, rungs and outcome.
 
 use super::classify::{Outcome, StoredCaster};
-use super::ladder::Wrong;
+use super::ladder::WrongRungs;
 use crate::light::Lookup;
 use crate::shadow::{Few, Taps};
 use crate::truth::{Answer, Receiver, Truth};
@@ -55,7 +55,7 @@ pub struct Observation {
     /// Stored depth on each rung; +∞ where nothing is in front.
     pub stored: [f64; 5],
     /// Whether each rung is wrong.
-    pub wrong: Wrong,
+    pub wrong: WrongRungs,
     /// The verdict's fault, if it counts and is wrong.
     pub outcome: Outcome,
     /// Whose surface the deciding texel holds.

@@ -16,7 +16,7 @@ mod unorm;
 
 use crate::device::Device;
 use crate::{Error, Result};
-pub use outcome::{Entry, Outcome};
+pub use outcome::{Compared, Entry};
 use std::path::Path;
 
 type Section = fn(&Path, &Device) -> Result<Vec<Entry>>;
@@ -36,7 +36,7 @@ const SECTIONS: [(&str, Section); 7] = [
 ///
 /// # Errors
 /// [`Error::BadInput`] or [`Error::Read`] for a folder or file that cannot be used.
-pub fn compare(folder: &Path, device: &Device) -> Result<Outcome> {
+pub fn compare(folder: &Path, device: &Device) -> Result<Compared> {
     if !folder.is_dir() {
         return Err(Error::bad_input(
             folder.display().to_string(),
@@ -44,7 +44,7 @@ pub fn compare(folder: &Path, device: &Device) -> Result<Outcome> {
             "give the folder that holds scenes/, encodings/, …",
         ));
     }
-    let mut outcome = Outcome::default();
+    let mut outcome = Compared::default();
     for (name, section) in SECTIONS {
         let path = folder.join(name);
         if path.is_dir() {

@@ -23,12 +23,12 @@ pub struct Entry {
 
 /// All entries of a folder.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Outcome {
+pub struct Compared {
     /// In reading order.
     pub entries: Vec<Entry>,
 }
 
-impl Outcome {
+impl Compared {
     /// Sum of a count over all entries of a section (all sections for an empty name).
     fn sum(&self, section: &str, count: impl Fn(&Entry) -> u64) -> u64 {
         let of_section = |e: &&Entry| section.is_empty() || e.section == section;
@@ -66,7 +66,7 @@ impl Outcome {
     }
 }
 
-impl Outcome {
+impl Compared {
     /// One row a file.
     #[must_use]
     pub fn table(&self) -> Table {

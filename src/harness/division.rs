@@ -15,7 +15,7 @@ use std::str::FromStr;
 use super::shell::quoted;
 use super::{Common, Progress, interrupted, print, signals};
 use crate::error::shown;
-use crate::output::journal::{Contents, Header, Journal, Outcome, check_ours, encode};
+use crate::output::journal::{Contents, Header, Item, Journal, Outcome, check_ours, encode};
 use crate::output::{self, Lock, put};
 use crate::report::Warning;
 use crate::{Error, Result};
@@ -123,30 +123,48 @@ impl Job {
         Header { key: self.key.clone(), about, items: self.items.len() as u32 }
     }
 
-    fn failures(&self, outcomes: &BTreeMap<u32, Outcome>) -> Vec<String> {
+    fn failures<T>(&self, outcomes: &Finished<T>) -> Vec<String> {
         let failed = outcomes.iter().filter_map(|(&i, o)| Some((i, o.as_ref().err()?)));
         failed.map(|(i, reason)| format!("{}: {reason}", self.items[i as usize])).collect()
     }
+
+    /// Items from a file.
+    fn read<T: Item>(&self, outcomes: BTreeMap<u32, Outcome>) -> Result<Finished<T>> {
+        let read = |(index, outcome): (u32, Outcome)| {
+            let value = match outcome {
+                Ok(bytes) => Ok(T::from_bytes(&bytes).ok_or_else(|| {
+                    let item = &self.items[index as usize];
+                    let place = format!("result of item {index} ({item})");
+                    Error::bad_input(place, "cannot be read", "run again without --resume")
+                })?),
+                Err(reason) => Err(reason),
+            };
+            Ok((index, value))
+        };
+        outcomes.into_iter().map(read).collect()
+    }
 }
+
+/// What each item gave, or why it failed.
+type Finished<T> = BTreeMap<u32, std::result::Result<T, String>>;
 
 /// The outcomes of a whole run.
 #[derive(Debug)]
 #[must_use]
-pub struct Done {
-    /// What each item gave.
-    pub outcomes: BTreeMap<u32, Outcome>,
+pub struct Done<T> {
+    /// What each item gave; those that failed are missing.
+    pub results: BTreeMap<u32, T>,
     /// Items that failed, with their parameters and reasons.
     pub failures: Vec<String>,
     journal: Option<Journal>,
-    _lock: Option<Lock>,
+    _lock: Lock,
 }
 
-impl Done {
-    /// The results by item.
-    #[must_use]
-    pub fn results(&self) -> BTreeMap<u32, &[u8]> {
-        let results = self.outcomes.iter();
-        results.filter_map(|(&i, o)| Some((i, o.as_ref().ok()?.as_slice()))).collect()
+impl<T> Done<T> {
+    fn new(job: &Job, outcomes: Finished<T>, journal: Option<Journal>, lock: Lock) -> Self {
+        let failures = job.failures(&outcomes);
+        let results = outcomes.into_iter().filter_map(|(i, outcome)| Some((i, outcome.ok()?)));
+        Self { results: results.collect(), failures, journal, _lock: lock }
     }
 
     /// A caveat for each failed item.
@@ -189,19 +207,19 @@ impl Division {
     /// [`Error::ResumeRefused`] where a journal or shard belongs to other settings,
     /// [`Error::BadInput`] where shards are missing or another process holds the folder,
     /// [`Error::Partial`] where items of a shard failed, [`Error::Write`], [`Error::Read`].
-    pub fn run(
+    pub fn run<T: Item>(
         &self,
         common: &Common,
         job: &Job,
-        compute: impl FnMut(u32) -> Vec<u8>,
-    ) -> Result<Option<Done>> {
+        compute: impl FnMut(u32) -> T,
+    ) -> Result<Option<Done<T>>> {
         if self.plan {
             return print(&plan_text(job)).map(|()| None);
         }
         let folder = common.folder(job.name);
         if !self.merge.is_empty() {
             let merged = merge(&self.merge, job)?;
-            return Ok(Some(Done { _lock: Some(common.hold(job.name)?), ..merged }));
+            return Ok(Some(Done::new(job, job.read(merged)?, None, common.hold(job.name)?)));
         }
         match self.shard {
             Some(shard) => self.part(&folder, job, shard, common.force, compute).map(|()| None),
@@ -212,26 +230,25 @@ impl Division {
         }
     }
 
-    fn whole(
+    fn whole<T: Item>(
         &self,
         folder: &Path,
         job: &Job,
         lock: Lock,
-        compute: impl FnMut(u32) -> Vec<u8>,
-    ) -> Result<Done> {
+        compute: impl FnMut(u32) -> T,
+    ) -> Result<Done<T>> {
         let path = folder.join(format!(".{}.journal.tmp", job.name));
         let (journal, outcomes) = self.work(&path, job, 0..job.items.len() as u32, compute)?;
-        let failures = job.failures(&outcomes);
-        Ok(Done { outcomes, failures, journal: Some(journal), _lock: Some(lock) })
+        Ok(Done::new(job, outcomes, Some(journal), lock))
     }
 
-    fn part(
+    fn part<T: Item>(
         &self,
         folder: &Path,
         job: &Job,
         shard: Shard,
         force: bool,
-        compute: impl FnMut(u32) -> Vec<u8>,
+        compute: impl FnMut(u32) -> T,
     ) -> Result<()> {
         let target = folder.join(shard.file());
         let said = |outcomes: &BTreeMap<u32, Outcome>| {
@@ -251,6 +268,8 @@ impl Division {
         let path = folder.join(format!(".{}.journal.tmp", shard.file()));
         let range = shard.range(job.items.len() as u32);
         let (journal, outcomes) = self.work(&path, job, range, compute)?;
+        let outcomes = outcomes.into_iter().map(|(i, o)| (i, o.map(|value| value.to_bytes())));
+        let outcomes: BTreeMap<u32, Outcome> = outcomes.collect();
         signals::commit()?;
         put(&target, &encode(&job.header(), &outcomes))?;
         journal.discard();
@@ -259,20 +278,21 @@ impl Division {
     }
 
     /// Computes the items of `range` that the journal does not hold, one after the other.
-    fn work(
+    fn work<T: Item>(
         &self,
         path: &Path,
         job: &Job,
         range: Range<u32>,
-        mut compute: impl FnMut(u32) -> Vec<u8>,
-    ) -> Result<(Journal, BTreeMap<u32, Outcome>)> {
-        let (mut journal, mut outcomes) = if self.resume {
+        mut compute: impl FnMut(u32) -> T,
+    ) -> Result<(Journal, Finished<T>)> {
+        let (mut journal, mut kept) = if self.resume {
             Journal::resume(path, &job.header())?
         } else {
             (Journal::start(path, &job.header())?, BTreeMap::new())
         };
         // What failed is tried again.
-        outcomes.retain(|_, outcome| outcome.is_ok());
+        kept.retain(|_, outcome| outcome.is_ok());
+        let mut outcomes = job.read(kept)?;
         signals::advise(format!("finished items are kept; go on with: {}", resume_line()));
         let bar = Progress::new(range.len(), &format!("{} items", job.name));
         for index in range {
@@ -281,7 +301,8 @@ impl Division {
                     return Err(Error::Partial("interrupted".into()));
                 }
                 let outcome = guarded(|| compute(index));
-                journal.append(index, &outcome)?;
+                journal
+                    .append(index, &outcome.as_ref().map(Item::to_bytes).map_err(Clone::clone))?;
                 place.insert(outcome);
             }
             bar.step();
@@ -291,7 +312,7 @@ impl Division {
 }
 
 /// A panicking item is a failed item.
-fn guarded(compute: impl FnOnce() -> Vec<u8>) -> Outcome {
+fn guarded<T>(compute: impl FnOnce() -> T) -> std::result::Result<T, String> {
     catch_unwind(AssertUnwindSafe(compute)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
@@ -331,7 +352,7 @@ fn shard_files(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
 
 /// All items from the shards' files. One that several shards hold must be the same in each; a result
 /// stands above a failure.
-fn merge(folders: &[PathBuf], job: &Job) -> Result<Done> {
+fn merge(folders: &[PathBuf], job: &Job) -> Result<BTreeMap<u32, Outcome>> {
     let mut outcomes: BTreeMap<u32, Outcome> = BTreeMap::new();
     for path in shard_files(folders)? {
         for (index, outcome) in Contents::read_whole(&path, &job.header())?.items {
@@ -356,7 +377,7 @@ fn merge(folders: &[PathBuf], job: &Job) -> Result<Done> {
             format!("{count} of {} items are missing, first {first} ({item})", job.items.len());
         return Err(Error::bad_input(names.join(", "), reason, "run the shards that hold them"));
     }
-    Ok(Done { failures: job.failures(&outcomes), outcomes, journal: None, _lock: None })
+    Ok(outcomes)
 }
 
 /// Checks a folder against its manifest and says how many files agree.

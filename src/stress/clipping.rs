@@ -1,7 +1,7 @@
 //! Where projection ends: receivers behind the light, outside the map, triangles through the near plane.
 
 use super::search::{Random, ladder, onset};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::camera::Camera;
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
@@ -102,7 +102,7 @@ fn dark(is_lit: bool) -> f64 {
 }
 
 /// Receivers all around a spot over an empty scene.
-pub(super) fn behind(_: &Effort) -> Stress {
+pub(super) fn behind(_: &Sampling) -> Stress {
     let (spot, map) = (Spot::new(), uniform_map(1.0));
     let angles: Vec<f64> = (0..=18).map(|i| 10.0 * f64::from(i)).collect();
     let predicted = 180.0 - FIELD / 2.0;
@@ -134,7 +134,7 @@ pub(super) fn behind(_: &Effort) -> Stress {
 }
 
 /// Receivers beyond the map's border, where the border texels hold an occluder.
-pub(super) fn border(_: &Effort) -> Stress {
+pub(super) fn border(_: &Sampling) -> Stress {
     let map = uniform_map(0.2);
     let coordinates = ladder(0.25, 8.0, 11);
     let verdict = |spec: &LookupSpec, u: f64| lit(&map, spec, [u as f32, 0.5, 0.5]);
@@ -232,7 +232,7 @@ fn doubled(corners: &[Vec4; 3]) -> usize {
 }
 
 /// Triangles with a vertex ever farther behind the eye.
-pub(super) fn near_plane(effort: &Effort) -> Stress {
+pub(super) fn near_plane(effort: &Sampling) -> Stress {
     let depths = ladder(1e-6, 1e6, 13);
     let mut random = Random(effort.seed);
     let mut count = |of: &dyn Fn(&[Vec4; 3]) -> usize| -> Vec<(f64, f64)> {

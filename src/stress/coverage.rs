@@ -2,7 +2,7 @@
 
 use super::grid::{FINE, Grid, IDEAL, Point, SIZE};
 use super::search::{Random, ladder, onset};
-use super::{Effort, Fate, Forecast, Row, Stress, winding};
+use super::{Fate, Forecast, Row, Sampling, Stress, winding};
 use crate::depth::DepthFormat;
 use crate::num::exp2;
 use crate::raster::{Pass, PolygonOffset, Setup, draw};
@@ -24,7 +24,7 @@ fn snapped_width(width: f64) -> f64 {
 }
 
 /// A sliver's width down to nothing.
-pub(super) fn slivers(effort: &Effort) -> Stress {
+pub(super) fn slivers(effort: &Sampling) -> Stress {
     let widths = ladder(1e-4, 1.0, 17);
     let error = |w: f64| (snapped_width(w) / w - 1.0).abs();
     let event = "a sliver keeps an area";
@@ -88,7 +88,7 @@ fn junctions_of(length: f64, count: u32, seed: u64) -> (f64, usize) {
 }
 
 /// T-junctions whose joint is not on the sub-pixel grid.
-pub(super) fn junctions(effort: &Effort) -> Stress {
+pub(super) fn junctions(effort: &Sampling) -> Stress {
     // A point rounded to a grid lies 0.24357 of its step off a line, on average over all directions
     // (∫ a/2 + c²/(6a) over the azimuth); the crack is a triangle of that height on the edge.
     let rate = |length: f64| 0.243_57 / COARSE.fine as f64 * length / 2.0;
@@ -187,7 +187,7 @@ fn zero_row(name: &str, event: &str, formula: &str, counts: Vec<(f64, usize)>, o
 }
 
 /// Counts that have to be 0 however far the parameter goes.
-pub(super) fn counts(effort: &Effort) -> Stress {
+pub(super) fn counts(effort: &Sampling) -> Stress {
     let mut random = Random(effort.seed);
     let sizes = [4u32, 16, 64, 256, 1024, 4096];
     let exact = "integer edge functions, one owner for every centre on a shared edge";

@@ -1,7 +1,7 @@
 //! The empty and degenerate set (T16): whatever is drawn, the map stays sound and the rest stays lit.
 
 use super::search::{ladder, onset};
-use super::{Effort, Fate, Forecast, Stress};
+use super::{Fate, Forecast, Sampling, Stress};
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
 use crate::raster::{NO_TRIANGLE, Pass, PolygonOffset, Raster, draw};
@@ -86,7 +86,7 @@ fn faults(device: &Device, set: &Set) -> usize {
 }
 
 /// T16 on every device profile.
-pub(super) fn sets_on_devices(_: &Effort) -> Stress {
+pub(super) fn sets_on_devices(_: &Sampling) -> Stress {
     let sets = sets();
     let of = |s: &Set| DeviceProfile::ALL.iter().map(|p| faults(&p.device(), s)).sum::<usize>();
     let counts: Vec<usize> = sets.iter().map(of).collect();
@@ -133,7 +133,7 @@ fn missed(scale: f64) -> f64 {
 }
 
 /// Homogeneous coordinates so large that clipping overflows.
-pub(super) fn clip_scale(_: &Effort) -> Stress {
+pub(super) fn clip_scale(_: &Sampling) -> Stress {
     let scales = ladder(1.0, 1e30, 16);
     // Cutting the bottom edge at x = −w, the largest product is 4s · 3s.
     let predicted = f64::sqrt(f64::from(f32::MAX) / 12.0);

@@ -1,7 +1,7 @@
 //! Casters before the near plane: clipped, flattened vertex by vertex ("pancaking"), or depth-clamped.
 
 use super::search::{ladder, onset};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::depth::DepthFormat;
 use crate::device::DeviceProfile;
 use crate::num::exp2;
@@ -76,7 +76,7 @@ fn row(forecast: Forecast, theory: impl Fn(f64) -> f64, error: fn(f64) -> f64, l
 }
 
 /// A caster whose front end stands ever farther before the near plane.
-pub(super) fn casters_before_near(_: &Effort) -> Stress {
+pub(super) fn casters_before_near(_: &Sampling) -> Stress {
     let clipped = Forecast::at(
         Fate::Breaks,
         END * 0.5 / (f64::from(SIZE) - 0.5),

@@ -1,7 +1,7 @@
 //! Depths at the ends of their range: denormals, 1 and its neighbours, through every format and packing.
 
 use super::search::{ladder, onset};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::depth::{DepthFormat, Packing};
 use crate::device::{Device, DeviceProfile};
 use crate::num::{exp2, from_ordinal, ordinal};
@@ -38,7 +38,7 @@ fn vanishing_row(name: String, device: &Device, format: DepthFormat, kept_from: 
 }
 
 /// Depths down to the smallest subnormal.
-pub(super) fn vanishing(_: &Effort) -> Stress {
+pub(super) fn vanishing(_: &Sampling) -> Stress {
     let ideal = DeviceProfile::Ideal.device();
     let flushing = DeviceProfile::WebglSwiftshader.device();
     let row =
@@ -130,7 +130,7 @@ fn packings_row(name: &str, event: &str, depths: &[f32], group: &[(Packing, Opti
 }
 
 /// Depth 1 and its neighbours through every packing and format.
-pub(super) fn one(_: &Effort) -> Stress {
+pub(super) fn one(_: &Sampling) -> Stress {
     let depths = depths_to_one();
     let forecast = |&p: &Packing| (p, first_broken(&depths, |z| real_error(p, z)));
     let own = |p: &&Packing| p.original() == **p;

@@ -1,7 +1,7 @@
 //! The report of all stresses: the verdict table, one figure per stress, the numbers as JSON and CSV.
 
 use super::row::AGREEMENT;
-use super::{Effort, Row, Stress, run};
+use super::{Row, Sampling, Stress, run};
 use crate::report::{
     Axis, Block, Cell, Colour, Marker, Plot, Profile, Report, Section, Series, Style, Table,
 };
@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 
 /// What a run is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
+pub struct StressOptions {
     /// Quick takes an eighth of the samples.
     pub profile: Profile,
     /// Seed of every random choice.
     pub seed: u64,
 }
 
-impl Options {
+impl StressOptions {
     /// Samples of a phase.
     #[must_use]
     pub const fn samples(&self) -> u32 {
@@ -30,14 +30,14 @@ impl Options {
 
 /// Runs every stress and reports it; `done` is called after each.
 #[must_use]
-pub fn report(options: &Options, done: impl Fn() + Sync) -> Report {
-    let effort = Effort { samples: options.samples(), seed: options.seed };
+pub fn report(options: &StressOptions, done: impl Fn() + Sync) -> Report {
+    let effort = Sampling { samples: options.samples(), seed: options.seed };
     render(options, &run(&effort, done))
 }
 
 /// The report of stresses that were run with these options.
 #[must_use]
-pub fn render(options: &Options, stresses: &[Stress]) -> Report {
+pub fn render(options: &StressOptions, stresses: &[Stress]) -> Report {
     let rows: Vec<&Row> = stresses.iter().flat_map(|s| &s.rows).collect();
     let table = verdicts("verdicts", stresses);
     let mut overview = Section::new("overview", "Verdicts", OVERVIEW);
@@ -175,7 +175,7 @@ fn column(points: &[(f64, f64)], of: impl Fn(&(f64, f64)) -> f64) -> Vec<f64> {
     points.iter().map(|p| rounded(of(p))).collect()
 }
 
-fn results(options: &Options, stresses: &[Stress]) -> serde_json::Value {
+fn results(options: &StressOptions, stresses: &[Stress]) -> serde_json::Value {
     let row = |row: &Row| {
         let error = row.relative_error();
         json!({

@@ -1,7 +1,7 @@
 //! Grazing light: the constant bias grows as tan θ, the normal offset stays, and at 90° nothing is drawn.
 
 use super::search::{ladder, onset};
-use super::{Effort, Fate, Forecast, Row, Sheet, Stress};
+use super::{Fate, Forecast, Row, Sampling, Sheet, Stress};
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
 use crate::raster::{NO_TRIANGLE, Pass, PolygonOffset, draw};
@@ -66,7 +66,7 @@ fn constant_row(&(name, cos, sin): &(&str, f64, f64)) -> Row {
 }
 
 /// θ up to 90° against a constant bias.
-pub(super) fn constant(_: &Effort) -> Stress {
+pub(super) fn constant(_: &Sampling) -> Stress {
     Stress {
         id: "grazing-constant",
         title: "Grazing light and a constant bias",
@@ -136,7 +136,7 @@ fn offset_row(&(name, cos, sin): &(&str, f64, f64)) -> Row {
 }
 
 /// θ up to 90° against an offset along the normal.
-pub(super) fn normal_offset(_: &Effort) -> Stress {
+pub(super) fn normal_offset(_: &Sampling) -> Stress {
     Stress {
         id: "grazing-normal-offset",
         title: "Grazing light and a normal offset",
@@ -185,7 +185,7 @@ fn wall_row(name: &str, predicted: f64, formula: &str, offset: PolygonOffset) ->
 }
 
 /// The last step to 90°: a wall seen ever more edge-on.
-pub(super) fn edge_on(_: &Effort) -> Stress {
+pub(super) fn edge_on(_: &Sampling) -> Stress {
     let snapped = "a width of half a sub-pixel, 2⁻⁹ texel, rounds to none (ties to even)";
     // From 1/4 at its foot the wall's depth grows by 1/4 over its width: m = 1/(4 w).
     let pushed =

@@ -1,7 +1,7 @@
 //! Half precision: texture coordinates, packing digits and packing constants on `mediump` phones.
 
 use super::search::{ladder, onset, phases};
-use super::{Effort, Fate, Forecast, Stress};
+use super::{Fate, Forecast, Sampling, Stress};
 use crate::depth::Packing;
 use crate::depth::arith::{Mediump, Number, Shader};
 use crate::num::{exp2, to_half};
@@ -21,7 +21,7 @@ fn misplaced(size: u32, samples: u32) -> f64 {
 }
 
 /// Map sizes that half-precision coordinates can address.
-pub(super) fn coordinates(effort: &Effort) -> Stress {
+pub(super) fn coordinates(effort: &Sampling) -> Stress {
     let sizes: Vec<f64> = (4..=11).map(exp2).collect();
     let samples = 64 * effort.samples;
     let curve: Vec<_> = sizes.iter().map(|&n| (n, misplaced(n as u32, samples))).collect();
@@ -58,7 +58,7 @@ fn digits_left(scale: f64) -> usize {
 }
 
 /// What the fract of a packing finds below a half-precision depth.
-pub(super) fn digits(_: &Effort) -> Stress {
+pub(super) fn digits(_: &Sampling) -> Stress {
     let scales: Vec<f64> = (1..=14).map(exp2).collect();
     let curve: Vec<_> = scales.iter().map(|&s| (s, digits_left(s) as f64)).collect();
     let measured = curve.iter().find(|p| p.1 <= 1.0).map(|p| p.0);
@@ -82,7 +82,7 @@ pub(super) fn digits(_: &Effort) -> Stress {
 }
 
 /// Packing constants up to the largest half-precision number.
-pub(super) fn overflow(_: &Effort) -> Stress {
+pub(super) fn overflow(_: &Sampling) -> Stress {
     let scales = ladder(16.0, 1.7e7, 29);
     let sound = |s: f64| Mediump::whole(s).is_sound();
     let error = |s: f64| match sound(s) {

@@ -31,7 +31,7 @@ use rayon::prelude::*;
 
 /// How many samples a supremum over phases takes, and the seed of every random choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct Sampling {
     /// Samples of a phase.
     pub samples: u32,
     /// Seed.
@@ -39,7 +39,7 @@ pub struct Effort {
 }
 
 /// The stresses in report order.
-const ALL: &[fn(&Effort) -> Stress] = &[
+const ALL: &[fn(&Sampling) -> Stress] = &[
     range::distances,
     range::ratios,
     origin::spacing,
@@ -74,9 +74,20 @@ pub fn count() -> usize {
 }
 
 /// Runs every stress, in report order; `done` is called after each.
+///
+/// ```
+/// use gnomon::stress::{Sampling, run};
+///
+/// let stresses = run(&Sampling { samples: 8, seed: 1 }, || ());
+/// let rows = || stresses.iter().flat_map(|stress| &stress.rows);
+/// for row in rows().filter(|row| row.measured.is_some()).take(3) {
+///     println!("{}: {} ({:?} by theory)", row.forecast.name, row.verdict(), row.forecast.onset);
+/// }
+/// assert!(rows().any(|row| row.agrees()));
+/// ```
 #[must_use]
-pub fn run(effort: &Effort, done: impl Fn() + Sync) -> Vec<Stress> {
-    let one = |stress: &fn(&Effort) -> Stress| {
+pub fn run(effort: &Sampling, done: impl Fn() + Sync) -> Vec<Stress> {
+    let one = |stress: &fn(&Sampling) -> Stress| {
         let stress = stress(effort);
         done();
         stress

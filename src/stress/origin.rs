@@ -1,7 +1,7 @@
 //! Distance from the origin: what f32 positions and f32 matrices lose (T13).
 
 use super::search::{Random, ladder, onset};
-use super::{Effort, Fate, Forecast, Stress};
+use super::{Fate, Forecast, Sampling, Stress};
 use crate::camera::Camera;
 use crate::depth::DepthFormat;
 use crate::device::{Device, DeviceProfile};
@@ -28,7 +28,7 @@ fn ulp(x: f64) -> f64 {
 const SPACING: f64 = 0.01;
 
 /// Vertices 1 cm apart, moved out.
-pub(super) fn spacing(_: &Effort) -> Stress {
+pub(super) fn spacing(_: &Sampling) -> Stress {
     let distances = ladder(1.0, 1e7, 22);
     let vertex = |d: f64, i: u32| d + f64::from(i) * SPACING;
     let kept = |d: f64, i: u32| vertex(d, i) as f32;
@@ -102,7 +102,7 @@ impl FarLight {
 }
 
 /// Largest error, and largest share of the a priori bound, around distance `d`.
-fn transform_error(d: f64, effort: &Effort) -> (f64, f64) {
+fn transform_error(d: f64, effort: &Sampling) -> (f64, f64) {
     let mut random = Random(effort.seed);
     let mut worst = (0.0f64, 0.0f64);
     for light in 0..64 {
@@ -117,7 +117,7 @@ fn transform_error(d: f64, effort: &Effort) -> (f64, f64) {
 }
 
 /// One f32 matrix from world to light, moved out.
-pub(super) fn transform(effort: &Effort) -> Stress {
+pub(super) fn transform(effort: &Sampling) -> Stress {
     let distances = ladder(1e3, 1e7, 25);
     let event = "the transform's error exceeds a bias of 0.0015";
     let formula =
@@ -189,7 +189,7 @@ fn critical(d: f64) -> f64 {
 }
 
 /// T13: a copy of T1 far from the origin.
-pub(super) fn moved_plane(_: &Effort) -> Stress {
+pub(super) fn moved_plane(_: &Sampling) -> Stress {
     let distances = ladder(1.0, 1e7, 29);
     let at_home = critical(0.0);
     let error = |d: f64| (critical(d.round()) / at_home - 1.0).abs();

@@ -5,7 +5,7 @@
 //! Window depths are correctly rounded to f32 here, so that the format alone is stressed.
 
 use super::search::{ladder, onset, phases};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::depth::{DepthFormat, DepthMapping, MappingKind};
 use crate::num::exp2;
 use crate::report::Scale;
@@ -147,7 +147,7 @@ impl Store {
     }
 }
 
-fn at_distance(effort: &Effort, (kind, format): (MappingKind, DepthFormat)) -> Row {
+fn at_distance(effort: &Sampling, (kind, format): (MappingKind, DepthFormat)) -> Row {
     let store = Store::new(kind, format, RATIO);
     let distances = ladder(0.2, 0.999 * NEAR * RATIO, 20);
     let event = "no constant bias parts two plates 1 cm apart";
@@ -162,7 +162,7 @@ fn at_distance(effort: &Effort, (kind, format): (MappingKind, DepthFormat)) -> R
 }
 
 /// Distance from the light at far/near = 10⁹ and infinite.
-pub(super) fn distances(effort: &Effort) -> Stress {
+pub(super) fn distances(effort: &Sampling) -> Stress {
     Stress {
         id: "distance",
         title: "Distance from the light, far/near = 10⁹ and infinite",
@@ -177,7 +177,7 @@ pub(super) fn distances(effort: &Effort) -> Stress {
     }
 }
 
-fn at_ratio(effort: &Effort, kind: MappingKind, format: DepthFormat) -> Row {
+fn at_ratio(effort: &Sampling, kind: MappingKind, format: DepthFormat) -> Row {
     let name = format!("ladder-{}", Store::new(kind, format, 2.0).name());
     let ratios = ladder(10.0, RATIO, 17);
     let far = |ratio: f64| NEAR * ratio;
@@ -203,7 +203,7 @@ fn at_ratio(effort: &Effort, kind: MappingKind, format: DepthFormat) -> Row {
 }
 
 /// T14: far/near from 10 to 10⁹ with the receiver at the far plane.
-pub(super) fn ratios(effort: &Effort) -> Stress {
+pub(super) fn ratios(effort: &Sampling) -> Stress {
     use DepthFormat::{F32, Unorm16, Unorm24};
     use MappingKind::{Perspective, Reversed};
     let combinations =

@@ -1,7 +1,7 @@
 //! Camera samples commensurate with the acne's stripes: an aligned grid counts wrong, jitter does not.
 
 use super::search::plastic;
-use super::{Effort, Fate, Forecast, Sheet, Stress};
+use super::{Fate, Forecast, Sampling, Sheet, Stress};
 use crate::device::DeviceProfile;
 use crate::report::Scale;
 use crate::scene::{CompareRule, Wrap};
@@ -37,7 +37,7 @@ fn aligned(k: u32) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// Samples per stripe period from 1 to 101, odd: an even number splits the period in halves by luck.
-pub(super) fn commensurate(_: &Effort) -> Stress {
+pub(super) fn commensurate(_: &Sampling) -> Stress {
     let sheet = Sheet::draw(&DeviceProfile::Ideal.device(), SIZE, 0.125, [0.5, 0.0]);
     let odd: Vec<f64> = (0..=50).map(|i| f64::from(2 * i + 1)).collect();
     let grid_error = |k: f64| (dark_fraction(&sheet, aligned(k as u32)) - 0.5).abs();

@@ -1,7 +1,7 @@
 //! A receiver exactly at its own stored depth: which comparison calls it lit, and from which bias on.
 
 use super::search::{onset, phases};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::num::exp2;
 use crate::report::Scale;
 use crate::scene::CompareRule;
@@ -23,7 +23,7 @@ fn dark(rule: CompareRule, ulps: f64, samples: u32) -> f64 {
     phases(samples).filter(|&p| is_dark(p)).count() as f64 / f64::from(samples)
 }
 
-fn row(effort: &Effort, (rule, name): (CompareRule, &str)) -> Row {
+fn row(effort: &Sampling, (rule, name): (CompareRule, &str)) -> Row {
     let biases: Vec<f64> = (0..=16).map(|i| f64::from(i) / 8.0).collect();
     let curve = biases.iter().map(|&b| (b, dark(rule, b, effort.samples))).collect();
     if rule.is_lit_exact(0.5, 0.5, 0.0) {
@@ -41,7 +41,7 @@ fn row(effort: &Effort, (rule, name): (CompareRule, &str)) -> Row {
 }
 
 /// The light straight above, an exact store: only the comparison decides.
-pub(super) fn comparisons(effort: &Effort) -> Stress {
+pub(super) fn comparisons(effort: &Sampling) -> Stress {
     Stress {
         id: "ties",
         title: "A receiver at its own stored depth",

@@ -1,7 +1,7 @@
 //! A light along its up vector: what is refused, how skew the map's axes get, and the fallback.
 
 use super::search::{ladder, onset, phases};
-use super::{Effort, Fate, Forecast, Row, Stress};
+use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::device::DeviceProfile;
 use crate::load::LoadedScene;
 use crate::load::config::Settings;
@@ -91,7 +91,7 @@ fn holds(
 }
 
 /// Lights ever closer to their up vector.
-pub(super) fn parallel(effort: &Effort) -> Stress {
+pub(super) fn parallel(effort: &Sampling) -> Stress {
     let is_refused = |closeness: f64| view(closeness, 0.1).checked("light").is_err();
     let sides = ladder(10.0, 1e16, 16);
     let refused = Forecast::at(

@@ -2,7 +2,7 @@
 
 use super::grid::{IDEAL, SIZE};
 use super::search::{Random, ladder, onset};
-use super::{Effort, Fate, Forecast, Row};
+use super::{Fate, Forecast, Row, Sampling};
 use crate::raster::Setup;
 use glam::Vec4;
 
@@ -22,7 +22,7 @@ fn normal([x, y]: [f64; 2]) -> [f64; 2] {
 
 /// Share of front faces that show their back once they are snapped: triangles on `edge` whose third
 /// vertex stands `width` pixels to its left.
-fn turned(edge: [f64; 2], width: f64, effort: &Effort) -> f64 {
+fn turned(edge: [f64; 2], width: f64, effort: &Sampling) -> f64 {
     let (count, mut random) = (16 * effort.samples, Random(effort.seed));
     let (start, [nx, ny]) = ([8.0 * FINE; 2], normal(edge));
     let corner = |p: [f64; 2]| -> Vec4 { IDEAL.clip_at(p, 0.5) };
@@ -56,7 +56,7 @@ fn tail(edge: [f64; 2], width: f64) -> f64 {
 }
 
 /// Faces on an edge across the grid.
-pub(super) fn across_the_grid(effort: &Effort) -> Row {
+pub(super) fn across_the_grid(effort: &Sampling) -> Row {
     let widths = ladder(1e-4, 1e-2, 13);
     let [nx, ny] = normal(OBLIQUE).map(f64::abs);
     let predicted = (nx + ny) / 2.0 / FINE;
@@ -74,7 +74,7 @@ pub(super) fn across_the_grid(effort: &Effort) -> Row {
 }
 
 /// Faces on an edge along the grid.
-pub(super) fn along_the_grid(effort: &Effort) -> Row {
+pub(super) fn along_the_grid(effort: &Sampling) -> Row {
     let widths = ladder(1e-4, 1e-2, 13);
     let curve: Vec<_> = widths.iter().map(|&w| (w, turned(AXIS, w, effort))).collect();
     let first = curve.iter().find(|p| p.1 > 0.0).map(|p| p.0);

@@ -136,7 +136,7 @@ fn curve(id: &str, measured: &Measured<'_>) -> Plot {
 
 /// Wrong verdicts under each format at each bias.
 fn formats_by_bias(id: &str, name: &str, field: &Field<'_>) -> HeatMap {
-    let row = |m: formats::Measured| {
+    let row = |m: formats::FormatAnswer| {
         (m.name(), overview::columns().into_iter().map(|(i, _)| m.wrong[i]).collect())
     };
     let rows = formats::measure(field).into_iter().map(row).collect();

@@ -3,7 +3,7 @@
 use crate::analysis::effort::{Count, Effort, TruthBy};
 use crate::analysis::measure::measure_by;
 use crate::analysis::observe::Observer;
-use crate::analysis::roundtrip::{Certificate, Conditions, Effort as Look, Method};
+use crate::analysis::roundtrip::{Certificate, Certifier, Conditions, Method};
 use crate::depth::{ByteStore, Packing};
 use crate::scene::{Case, Geometry};
 use crate::simd::Level;
@@ -172,7 +172,7 @@ fn measurements(case: &Case, step: u32) -> Vec<Way> {
 /// The largest round-trip error of a packing: proved for every float against sampled.
 fn round_trips() -> Vec<Way> {
     let run = |method| {
-        let look = Look { method, level: Level::best() };
+        let look = Certifier { method, level: Level::best() };
         let conditions = Conditions::plain(ByteStore::HalfEven);
         timed(|| look.certify_packing(Packing::Book, conditions))
     };

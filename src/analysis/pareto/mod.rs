@@ -2,7 +2,7 @@
 //! left wrong with it.
 //!
 //! Costs are counted, not timed, so that they are the same on every machine: bytes of the map, passes
-//! over the casters, texels fetched and arithmetic operations a look-up ([`cost`]). Errors are those at
+//! over the casters, texels fetched and arithmetic operations a look-up ([`cost`]). LeftWrong are those at
 //! the smallest amount of bias that ends acne, or where none does at the amount with the fewest wrong
 //! verdicts. A combination is on the front where no other is at most as costly and at most as wrong in
 //! everything and better in something. Measured times are another matter ([`time`]): they are printed,
@@ -15,14 +15,14 @@ pub mod time;
 
 use super::sweep::tally::{Kind, SHARE};
 use super::sweep::{self, CaseSweep, Plan, Swept};
-use crate::scene::Filter;
+use crate::scene::{Filter, TexelFormat};
 use crate::shadow::bias::{Strategy, Unit};
 use cost::Cost;
 use serde::Serialize;
 
 /// What is left wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Errors {
+pub struct LeftWrong {
     /// Share of their light that the truly lit lose: mean of 1 − v; `None` where there are none.
     pub false_shadow: Option<f64>,
     /// Share of light that the truly shadowed get: mean of v; `None` where there are none.
@@ -33,17 +33,18 @@ pub struct Errors {
 
 /// One combination with its cost and its errors.
 #[derive(Clone, Debug, Serialize)]
-pub struct Entry {
+pub struct Combination {
     /// Case.
     pub case: String,
-    /// Format or packing.
-    pub format: &'static str,
+    /// Format or packing; its name in files.
+    #[serde(serialize_with = "name")]
+    pub format: TexelFormat,
     /// Texels per side.
     pub size: u32,
     /// Filter.
-    pub filter: &'static str,
+    pub filter: Filter,
     /// Bias strategy.
-    pub strategy: &'static str,
+    pub strategy: Strategy,
     /// Its parameter.
     pub amount: f32,
     /// The parameter's unit.
@@ -55,12 +56,16 @@ pub struct Entry {
     pub cost: Cost,
     /// What is left wrong.
     #[serde(flatten)]
-    pub errors: Errors,
+    pub errors: LeftWrong,
     /// Whether nothing is at most as costly and as wrong, and better in something.
     pub front: bool,
 }
 
-impl Entry {
+fn name<S: serde::Serializer>(format: &TexelFormat, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(format.name())
+}
+
+impl Combination {
     /// `None` where nothing was measured.
     fn new(case: &str, swept: &Swept) -> Option<Self> {
         if swept.populations == [0, 0] {
@@ -70,15 +75,15 @@ impl Entry {
         let share = |wrong: i64, of: u64| (of > 0).then(|| wrong as f64 / SHARE / of as f64);
         Some(Self {
             case: case.to_string(),
-            format: swept.format.name(),
+            format: swept.format,
             size: swept.size,
-            filter: swept.filter.name(),
-            strategy: swept.strategy.name(),
+            filter: swept.filter,
+            strategy: swept.strategy,
             amount: point.amount,
             unit: swept.strategy.unit(),
             acne_free: (swept.populations[0] > 0).then_some(swept.acne_free.is_some()),
             cost: Cost::of(swept.format, swept.size, swept.filter, swept.strategy),
-            errors: Errors {
+            errors: LeftWrong {
                 false_shadow: share(point.tally.shadow, swept.populations[0]),
                 false_light: share(point.tally.light, swept.populations[1]),
                 peter_panning: match point.tally.of(Kind::PETER_PANNING) {
@@ -93,7 +98,7 @@ impl Entry {
     /// What is to be small, costs first.
     fn criteria(&self) -> [f64; 7] {
         let Cost { map_bytes, passes, fetches, operations } = self.cost;
-        let Errors { false_shadow, false_light, peter_panning } = self.errors;
+        let LeftWrong { false_shadow, false_light, peter_panning } = self.errors;
         let costs =
             [map_bytes as f64, f64::from(passes), f64::from(fetches), f64::from(operations)];
         let [bytes, passes, fetches, operations] = costs;
@@ -115,7 +120,7 @@ fn dominates<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
 }
 
 /// Marks the members of the front of each case.
-pub fn mark_front(entries: &mut [Entry]) {
+pub fn mark_front(entries: &mut [Combination]) {
     let criteria: Vec<_> = entries.iter().map(|e| (e.case.clone(), e.criteria())).collect();
     for (entry, (case, own)) in entries.iter_mut().zip(&criteria) {
         let better = |(other, c): &(String, [f64; 7])| other == case && dominates(c, own);
@@ -135,14 +140,39 @@ pub const STRATEGIES: [Strategy; 5] = [
     Strategy::Midpoint,
 ];
 
-/// Every combination of a plan with its cost and errors, the front marked, in the plan's order.
+/// Every combination of a plan with its cost and errors, the front marked, in the plan's order; `done` is
+/// called after each case and map size.
+///
+/// ```
+/// use gnomon::analysis::pareto;
+/// use gnomon::analysis::sweep::{Plan, Range, plan};
+/// use gnomon::shadow::bias::Strategy;
+///
+/// let plan = Plan {
+///     cases: plan::cases_named(&["upc".to_string()])?,
+///     sizes: vec![64, 128],
+///     formats: vec![plan::format_named("unorm16")?],
+///     filters: vec![None],
+///     strategies: vec![Strategy::Constant, Strategy::SlopeRaster],
+///     bias: Range { low: 1e-6, high: 1e-1, log: true, count: 20 },
+///     step: 8,
+///     max_acne: 0.001,
+/// }
+/// .checked()?;
+/// let entries = pareto::entries(&plan, || ());
+/// assert_eq!(entries.len(), 4);
+/// for e in entries.iter().filter(|e| e.front) {
+///     println!("{}² with {}: {} bytes, wrong {}", e.size, e.strategy, e.cost.map_bytes, e.wrong());
+/// }
+/// # Ok::<(), gnomon::Error>(())
+/// ```
 #[must_use]
-pub fn entries(plan: &Plan, done: impl Fn()) -> Vec<Entry> {
+pub fn entries(plan: &Plan, done: impl Fn()) -> Vec<Combination> {
     let of = |sweep: CaseSweep| {
-        let entry = |swept: &Swept| Entry::new(&sweep.name, swept);
+        let entry = |swept: &Swept| Combination::new(&sweep.name, swept);
         sweep.swept.iter().filter_map(entry).collect::<Vec<_>>()
     };
-    let mut entries: Vec<Entry> = sweep::run(plan, done).into_iter().flat_map(of).collect();
+    let mut entries: Vec<Combination> = sweep::run(plan, done).into_iter().flat_map(of).collect();
     mark_front(&mut entries);
     entries
 }

@@ -1,7 +1,7 @@
 //! The benchmark as a report: fronts, plots, and the toolkit's own algorithms. No times.
 
 use super::algorithms::Way;
-use super::{Entry, STRATEGIES};
+use super::{Combination, STRATEGIES};
 use crate::analysis::measure::unmeasured;
 use crate::analysis::sweep::Plan;
 use crate::report::number::percent;
@@ -22,7 +22,7 @@ const PARTS: [&str; 5] = ["bytes", "operations", "front", "algorithms", "ways"];
 #[must_use]
 pub fn report(
     plan: &Plan,
-    entries: &[Entry],
+    entries: &[Combination],
     ways: &[(String, Vec<Way>)],
     profile: Profile,
     seed: u64,
@@ -30,7 +30,7 @@ pub fn report(
     let mut sections = Vec::new();
     let ids = slugs(plan.cases.iter().map(|case| case.name.as_str()), &OWN, &PARTS);
     for (case, id) in plan.cases.iter().zip(&ids) {
-        let own: Vec<&Entry> = entries.iter().filter(|e| e.case == case.name).collect();
+        let own: Vec<&Combination> = entries.iter().filter(|e| e.case == case.name).collect();
         sections.push(front(id, &case.name, &own));
     }
     for ((case, ways), id) in ways.iter().zip(&ids) {
@@ -69,7 +69,7 @@ pub fn report(
     }
 }
 
-fn lead(plan: &Plan, entries: &[Entry], ways: &[(String, Vec<Way>)]) -> Vec<String> {
+fn lead(plan: &Plan, entries: &[Combination], ways: &[(String, Vec<Way>)]) -> Vec<String> {
     let mut lead = Vec::new();
     for case in &plan.cases {
         let own = || entries.iter().filter(|e| e.case == case.name);
@@ -102,16 +102,16 @@ fn lead(plan: &Plan, entries: &[Entry], ways: &[(String, Vec<Way>)]) -> Vec<Stri
     lead
 }
 
-fn words(e: &Entry) -> String {
-    format!("{} {}², {}, {}", e.format, e.size, e.filter, e.strategy)
+fn words(e: &Combination) -> String {
+    format!("{} {}², {}, {}", e.format.name(), e.size, e.filter, e.strategy)
 }
 
 /// One case: the plots and the members of its front.
-fn front(id: &str, case: &str, own: &[&Entry]) -> Section {
+fn front(id: &str, case: &str, own: &[&Combination]) -> Section {
     let lead = "Each point is one combination at the smallest bias that ends its acne.";
     let mut section = Section::new(id, case, lead);
-    let bytes = |e: &Entry| e.cost.map_bytes as f64;
-    let operations = |e: &Entry| f64::from(e.cost.operations);
+    let bytes = |e: &Combination| e.cost.map_bytes as f64;
+    let operations = |e: &Combination| f64::from(e.cost.operations);
     section.push(Block::Row(vec![
         plot([id, case], "bytes", "bytes of the map", own, bytes).into(),
         plot([id, case], "operations", "operations a look-up", own, operations).into(),
@@ -127,20 +127,20 @@ fn plot(
     [id, case]: [&str; 2],
     part: &str,
     label: &str,
-    own: &[&Entry],
-    cost: impl Fn(&Entry) -> f64,
+    own: &[&Combination],
+    cost: impl Fn(&Combination) -> f64,
 ) -> Plot {
-    let place = |e: &&Entry| (cost(e), 100.0 * e.wrong());
-    let mut names: Vec<&str> = own.iter().map(|e| e.strategy).collect();
-    names.sort_by_key(|name| STRATEGIES.iter().position(|s| s.name() == *name));
-    names.dedup();
-    let series = |(i, name): (usize, &&str)| Series {
-        name: (*name).to_string(),
+    let place = |e: &&Combination| (cost(e), 100.0 * e.wrong());
+    let mut strategies: Vec<Strategy> = own.iter().map(|e| e.strategy).collect();
+    strategies.sort_by_key(|strategy| STRATEGIES.iter().position(|s| s == strategy));
+    strategies.dedup();
+    let series = |(i, strategy): (usize, &Strategy)| Series {
+        name: strategy.to_string(),
         style: Style::Points,
         colour: Colour::series(i),
-        points: own.iter().filter(|e| e.strategy == *name).map(place).collect(),
+        points: own.iter().filter(|e| e.strategy == *strategy).map(place).collect(),
     };
-    let mut all: Vec<Series> = names.iter().enumerate().map(series).collect();
+    let mut all: Vec<Series> = strategies.iter().enumerate().map(series).collect();
     let least = Series {
         name: "least wrong up to this cost".to_string(),
         style: Style::Steps,
@@ -179,7 +179,7 @@ fn least(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-fn table<'e>(id: &str, caption: &str, entries: impl Iterator<Item = &'e Entry>) -> Table {
+fn table<'e>(id: &str, caption: &str, entries: impl Iterator<Item = &'e Combination>) -> Table {
     let mut table = Table::new(id, caption)
         .column("case", "", "")
         .column("format", "", "")
@@ -200,10 +200,10 @@ fn table<'e>(id: &str, caption: &str, entries: impl Iterator<Item = &'e Entry>) 
         let yes = |b: bool| Cell::from(if b { "yes" } else { "no" });
         table.push(vec![
             e.case.as_str().into(),
-            e.format.into(),
+            e.format.name().into(),
             Cell::count(e.size),
-            e.filter.into(),
-            e.strategy.into(),
+            e.filter.name().into(),
+            e.strategy.name().into(),
             Cell::Number(f64::from(e.amount), 3),
             e.acne_free.map_or(Cell::Missing, yes),
             Cell::count(e.cost.map_bytes),
@@ -256,7 +256,7 @@ fn method() -> Section {
          derivative. Per comparison: two for its coordinates (unless it is the only one), one for the \
          bias, one to compare, and the packing's unpack, counted by running it. Filters add their \
          average and, where bilinear, 13 for fractions and interpolation. Strategies add their own.",
-        "Errors are means of |visibility - truth|, so that a soft edge counts by how soft it is. They are \
+        "LeftWrong are means of |visibility - truth|, so that a soft edge counts by how soft it is. They are \
          those at the smallest amount from which acne stays within the limit; where there is none, at \
          the amount with the fewest wrong verdicts.",
     ] {

@@ -9,7 +9,7 @@ use crate::raster::passes::{MapRaster, Transformed, draw_map, map_depth_buffer};
 use crate::scene::{Case, Filter, TexelFormat};
 use crate::shadow::bias::Strategy;
 use crate::shadow::{ShadowMap, visibility};
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -67,51 +67,94 @@ fn lookup(case: &Case, map: &ShadowMap, filter: Filter) -> f64 {
     started.elapsed().as_secs_f64() * 1e9 / f64::from(done)
 }
 
+/// Drawing and storing a map of one format, nanoseconds a texel.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct MapTime {
+    /// The format's name.
+    pub format: &'static str,
+    /// Texels per side.
+    pub size: u32,
+    /// Drawing the casters.
+    pub draw_ns_per_texel: f64,
+    /// Encoding what was drawn.
+    pub store_ns_per_texel: f64,
+}
+
+/// One look-up beside its counted cost.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct LookupTime {
+    /// The format's name.
+    pub format: &'static str,
+    /// The filter.
+    pub filter: Filter,
+    /// Texels fetched, counted.
+    pub fetches: u32,
+    /// Arithmetic operations, counted.
+    pub operations: u32,
+    /// Nanoseconds.
+    pub ns_per_lookup: f64,
+}
+
+/// One of the toolkit's own ways.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct WayTime {
+    /// What is computed.
+    pub job: &'static str,
+    /// How.
+    pub way: &'static str,
+    /// Wall seconds.
+    pub seconds: f64,
+}
+
+/// What was timed on one case, on this machine.
+#[derive(Clone, Debug, Serialize)]
+pub struct Times {
+    /// The case's name.
+    pub case: String,
+    /// A map of each format.
+    pub maps: Vec<MapTime>,
+    /// A look-up of each format and filter.
+    pub lookups: Vec<LookupTime>,
+    /// The toolkit's own ways.
+    pub ways: Vec<WayTime>,
+}
+
 /// Times of maps and look-ups of a case, and of the toolkit's own ways, beside their counted costs.
 #[must_use]
-pub fn times(case: &Case, filters: &[Filter], ways: &[Way]) -> Value {
+pub fn times(case: &Case, filters: &[Filter], ways: &[Way]) -> Times {
     let device = case.device.device();
     let vertices = Transformed::new(case, case.chain, &device);
     let (mut maps, mut lookups) = (Vec::new(), Vec::new());
-    for format in FORMATS {
-        let (draw_ns, store_ns, drawn) = map_texel(case, &vertices, format);
-        maps.push(json!({ "format": format.name(), "size": case.map.size,
-            "draw_ns_per_texel": draw_ns, "store_ns_per_texel": store_ns }));
-        let spec = case.map.with(case.map.size, format);
+    for texel in FORMATS {
+        let (format, size) = (texel.name(), case.map.size);
+        let (draw_ns_per_texel, store_ns_per_texel, drawn) = map_texel(case, &vertices, texel);
+        maps.push(MapTime { format, size, draw_ns_per_texel, store_ns_per_texel });
+        let spec = case.map.with(size, texel);
         let map = ShadowMap::store(&device, &spec, &drawn.layout, drawn.drawn());
         for &filter in filters {
-            let cost = Cost::of(format, case.map.size, filter, Strategy::Constant);
-            lookups.push(json!({ "format": format.name(), "filter": filter.name(),
-                "fetches": cost.fetches, "operations": cost.operations,
-                "ns_per_lookup": lookup(case, &map, filter) }));
+            let Cost { fetches, operations, .. } =
+                Cost::of(texel, size, filter, Strategy::Constant);
+            let ns_per_lookup = lookup(case, &map, filter);
+            lookups.push(LookupTime { format, filter, fetches, operations, ns_per_lookup });
         }
     }
-    let way = |w: &Way| json!({ "job": w.job, "way": w.way, "seconds": w.seconds });
-    json!({ "case": case.name, "maps": maps, "lookups": lookups,
-        "ways": ways.iter().map(way).collect::<Vec<_>>() })
+    let way = |w: &Way| WayTime { job: w.job, way: w.way, seconds: w.seconds };
+    Times { case: case.name.clone(), maps, lookups, ways: ways.iter().map(way).collect() }
 }
 
 /// The times as lines of text.
 #[must_use]
-pub fn text(times: &Value) -> String {
-    let list = |name: &str| times[name].as_array().cloned().unwrap_or_default();
-    let word = |v: &Value, name: &str| v[name].as_str().unwrap_or("").to_string();
-    let number = |v: &Value, name: &str| v[name].as_f64().unwrap_or(f64::NAN);
-    let mut lines = vec![format!("times on this machine, case {}", word(times, "case"))];
-    lines.extend(list("maps").iter().map(|m| {
-        let (draw, store) = (number(m, "draw_ns_per_texel"), number(m, "store_ns_per_texel"));
-        format!(
-            "  map {:<12} draw {draw:8.2} ns/texel, store {store:8.2} ns/texel",
-            word(m, "format")
-        )
+pub fn text(times: &Times) -> String {
+    let mut lines = vec![format!("times on this machine, case {}", times.case)];
+    lines.extend(times.maps.iter().map(|m| {
+        let MapTime { format, draw_ns_per_texel: draw, store_ns_per_texel: store, .. } = m;
+        format!("  map {format:<12} draw {draw:8.2} ns/texel, store {store:8.2} ns/texel")
     }));
-    lines.extend(list("lookups").iter().map(|l| {
-        let (ns, operations) = (number(l, "ns_per_lookup"), number(l, "operations"));
-        let (format, filter) = (word(l, "format"), word(l, "filter"));
+    lines.extend(times.lookups.iter().map(|l| {
+        let LookupTime { format, filter, operations, ns_per_lookup: ns, .. } = l;
+        let filter = filter.name();
         format!("  look-up {format:<12} {filter:<16} {ns:9.1} ns, {operations} operations counted")
     }));
-    lines.extend(list("ways").iter().map(|w| {
-        format!("  {:9.4} s  {}: {}", number(w, "seconds"), word(w, "job"), word(w, "way"))
-    }));
+    lines.extend(times.ways.iter().map(|w| format!("  {:9.4} s  {}: {}", w.seconds, w.job, w.way)));
     lines.join("\n") + "\n"
 }

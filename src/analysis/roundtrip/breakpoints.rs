@@ -2,16 +2,16 @@
 //!
 //! The code is monotone in the depth, hence the depths of one code are consecutive, and the last of
 //! them is found from a guess by stepping while the code says so: the literal encoder decides, the
-//! guess only saves time. On a cell the decoded value is constant, and [`Tally::constant`] is exact.
+//! guess only saves time. On a cell the decoded value is constant, and [`ErrorTally::constant`] is exact.
 
-use super::tally::Tally;
+use super::tally::ErrorTally;
 use crate::depth::FormatTrip;
 use crate::depth::arith::Raw;
 use crate::simd::{Kernel, Level};
 use std::marker::PhantomData;
 
 /// The tally of all floats with bit patterns `start`…`end`, which lie in one binade.
-pub(super) fn tally<F: Raw>(trip: FormatTrip, start: u32, end: u32) -> Tally<F> {
+pub(super) fn tally<F: Raw>(trip: FormatTrip, start: u32, end: u32) -> ErrorTally<F> {
     Level::run_scalar(Cells { trip, start, end, decoded: PhantomData })
 }
 
@@ -24,10 +24,10 @@ struct Cells<F> {
 }
 
 impl<F: Raw> Kernel for Cells<F> {
-    type Output = Tally<F>;
+    type Output = ErrorTally<F>;
     #[inline(always)]
-    fn run(self, _has_fma: bool) -> Tally<F> {
-        let cell = |at, code, last| Tally::constant(at, last, self.trip.value(code));
+    fn run(self, _has_fma: bool) -> ErrorTally<F> {
+        let cell = |at, code, last| ErrorTally::constant(at, last, self.trip.value(code));
         let mut code = self.trip.code(f32::from_bits(self.start));
         let (mut last, mut next) = self.cell_end(code, self.start);
         let mut total = cell(self.start, code, last);

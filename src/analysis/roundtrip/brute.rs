@@ -1,6 +1,6 @@
 //! The brute loop: every float of a run is packed, stored, sampled and unpacked.
 
-use super::tally::{Drop, Extreme, Tally};
+use super::tally::{Drop, ErrorTally, Extreme};
 use crate::depth::RoundTrip;
 use crate::depth::arith::Raw;
 use crate::simd::{Kernel, Level};
@@ -114,7 +114,7 @@ pub(super) fn tally<F: Raw>(
     level: Level,
     start: u32,
     end: u32,
-) -> Tally<F> {
+) -> ErrorTally<F> {
     tally_by(&|first, out: &mut [F]| trip.run(level, first, out), level, start, end)
 }
 
@@ -124,12 +124,12 @@ pub(super) fn tally_by<F: Raw>(
     level: Level,
     start: u32,
     end: u32,
-) -> Tally<F> {
+) -> ErrorTally<F> {
     if end - start < SHORT as u32 {
         return short(run, level, start, end);
     }
     let mut buffer = [F::default(); BLOCK];
-    let mut total: Option<Tally<F>> = None;
+    let mut total: Option<ErrorTally<F>> = None;
     let (mut above, mut below) = ((F::Key::default(), start), (F::Key::default(), start));
     let mut at = start;
     loop {
@@ -143,7 +143,7 @@ pub(super) fn tally_by<F: Raw>(
         if block.below > below.0 {
             below = (block.below, at);
         }
-        let known = total.map_or(0.0, |t: Tally<F>| t.drop.size);
+        let known = total.map_or(0.0, |t: ErrorTally<F>| t.drop.size);
         let next = block_tally(at, decoded, &block, known);
         total = Some(total.map_or(next, |t| t.then(next)));
         if (end - at) as usize + 1 == len {
@@ -163,12 +163,17 @@ pub(super) fn tally_by<F: Raw>(
 }
 
 /// A run of one small block: its extremes are found where it stands, and little is cleared for it.
-fn short<F: Raw>(run: &impl Fn(u32, &mut [F]), level: Level, start: u32, end: u32) -> Tally<F> {
+fn short<F: Raw>(
+    run: &impl Fn(u32, &mut [F]),
+    level: Level,
+    start: u32,
+    end: u32,
+) -> ErrorTally<F> {
     let mut buffer = [F::default(); SHORT];
     let decoded = &mut buffer[..(end - start) as usize + 1];
     run(start, decoded);
     let block = level.run(Reduce { first: start, decoded });
-    Tally {
+    ErrorTally {
         above: found(block.above, start, decoded, |d, z| d - z),
         below: found(block.below, start, decoded, |d, z| z - d),
         ..block_tally(start, decoded, &block, 0.0)
@@ -176,11 +181,11 @@ fn short<F: Raw>(run: &impl Fn(u32, &mut [F]), level: Level, start: u32, end: u3
 }
 
 /// The block's tally, without its extremes; its largest drop only where that may exceed `known`.
-fn block_tally<F: Raw>(start: u32, decoded: &[F], block: &Block<F>, known: f64) -> Tally<F> {
+fn block_tally<F: Raw>(start: u32, decoded: &[F], block: &Block<F>, known: f64) -> ErrorTally<F> {
     let nothing = Extreme { error: F::default(), at: start };
     // What is no number compares with nothing: looked at.
     let exceeds = block.inversions > 0 && !(block.drop_bound(start) <= known);
-    Tally {
+    ErrorTally {
         start,
         count: decoded.len() as u64,
         evaluated: decoded.len() as u64,

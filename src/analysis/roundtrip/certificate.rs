@@ -3,7 +3,7 @@
 use super::proof::Bound;
 use super::sample::sampled_depths;
 use super::survey::{CUTS, FLOATS, Method};
-use super::tally::{Extreme, Tally, spacing};
+use super::tally::{ErrorTally, Extreme, spacing};
 use crate::depth::RoundTrip;
 use crate::depth::arith::Raw;
 use serde::Serialize;
@@ -146,9 +146,9 @@ pub fn certify<F: Raw>(
     subject: Subject,
     method: Method,
     trips: &[&dyn RoundTrip<F>],
-    tallies: &[Vec<Tally<F>>],
+    tallies: &[Vec<ErrorTally<F>>],
 ) -> Certificate {
-    let wide: Vec<Vec<Tally<f64>>> =
+    let wide: Vec<Vec<ErrorTally<f64>>> =
         tallies.iter().map(|t| t.iter().map(|t| t.widened()).collect()).collect();
     let segments = worst_of(&wide);
     let (one, below_one) = segments.split_last().expect("segments end with 1.0");
@@ -184,12 +184,12 @@ pub fn certify<F: Raw>(
 }
 
 /// Start of the longest run of segments before 1 without an error.
-fn exact_from(below_one: &[Tally<f64>]) -> Option<f32> {
-    let exact = |t: &&Tally<f64>| t.above.error == 0.0 && t.below.error == 0.0;
+fn exact_from(below_one: &[ErrorTally<f64>]) -> Option<f32> {
+    let exact = |t: &&ErrorTally<f64>| t.above.error == 0.0 && t.below.error == 0.0;
     below_one.iter().rev().take_while(exact).last().map(|t| f32::from_bits(t.start))
 }
 
-fn counted(tallies: &[Vec<Tally<f64>>]) -> u64 {
+fn counted(tallies: &[Vec<ErrorTally<f64>>]) -> u64 {
     tallies[0].iter().map(|t| t.count).sum()
 }
 
@@ -199,10 +199,10 @@ fn equivalent_bits(error: f64) -> f64 {
 }
 
 /// Segment by segment the worst of several roundings: greatest extremes, sums of the larger rms.
-fn worst_of(tallies: &[Vec<Tally<f64>>]) -> Vec<Tally<f64>> {
-    let worse = |a: Tally<f64>, b: Tally<f64>| {
+fn worst_of(tallies: &[Vec<ErrorTally<f64>>]) -> Vec<ErrorTally<f64>> {
+    let worse = |a: ErrorTally<f64>, b: ErrorTally<f64>| {
         let sums = if b.squares > a.squares { b } else { a };
-        Tally {
+        ErrorTally {
             above: a.above.or(b.above),
             below: a.below.or(b.below),
             sum: sums.sum,
@@ -214,17 +214,17 @@ fn worst_of(tallies: &[Vec<Tally<f64>>]) -> Vec<Tally<f64>> {
     (0..tallies[0].len()).map(segment).collect()
 }
 
-fn peak(segments: &[Tally<f64>], pick: impl Fn(&Tally<f64>) -> Extreme<f64>) -> Peak {
+fn peak(segments: &[ErrorTally<f64>], pick: impl Fn(&ErrorTally<f64>) -> Extreme<f64>) -> Peak {
     let most = segments.iter().map(pick).reduce(Extreme::or).expect("a segment");
     Peak { error: most.error, at: f32::from_bits(most.at) }
 }
 
 /// Sums are in depths per float; a float weighs its spacing, so that depth is uniform.
-fn range(from: f64, to: f64, segments: &[Tally<f64>]) -> RangeError {
+fn range(from: f64, to: f64, segments: &[ErrorTally<f64>]) -> RangeError {
     let (above, below) = (peak(segments, |t| t.above), peak(segments, |t| t.below));
     let first = if below.error > above.error { below } else { above };
     let max = if below.error == above.error && below.at < above.at { below } else { first };
-    let weighed = |pick: fn(&Tally<f64>) -> f64| {
+    let weighed = |pick: fn(&ErrorTally<f64>) -> f64| {
         let sum: f64 = segments.iter().map(|t| pick(t) * spacing(t.start)).sum();
         if to > from { sum / (to - from) } else { segments.iter().map(pick).sum() }
     };
@@ -233,11 +233,11 @@ fn range(from: f64, to: f64, segments: &[Tally<f64>]) -> RangeError {
     RangeError { from, to, max, mean, rms }
 }
 
-fn ranges(segments: &[Tally<f64>]) -> Vec<RangeError> {
+fn ranges(segments: &[ErrorTally<f64>]) -> Vec<RangeError> {
     let starts = [0.0, 1.0 / 65_536.0, 1.0 / 256.0, 0.5].into_iter();
     let mut edges: Vec<f32> = starts.chain(CUTS).chain([1.0]).collect();
     edges.dedup();
-    let inside = |from: f32, to: f32| -> Vec<Tally<f64>> {
+    let inside = |from: f32, to: f32| -> Vec<ErrorTally<f64>> {
         let range = from.to_bits()..to.to_bits();
         segments.iter().filter(|t| range.contains(&t.start)).copied().collect()
     };
@@ -248,8 +248,8 @@ fn ranges(segments: &[Tally<f64>]) -> Vec<RangeError> {
 }
 
 /// Segment ends are always evaluated, sampled or not, so the steps between segments count.
-fn order(segments: &[Tally<f64>]) -> Order {
-    let joined = segments.iter().copied().reduce(Tally::then).expect("a segment");
+fn order(segments: &[ErrorTally<f64>]) -> Order {
+    let joined = segments.iter().copied().reduce(ErrorTally::then).expect("a segment");
     let at = f32::from_bits(joined.drop.at);
     Order { inversions: joined.inversions, largest_drop: Peak { error: joined.drop.size, at } }
 }

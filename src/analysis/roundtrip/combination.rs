@@ -6,7 +6,7 @@ use super::conditions::Conditions;
 use super::proof::Bound;
 use super::sample::sample;
 use super::survey::{Method, survey, survey_format};
-use super::tally::Tally;
+use super::tally::ErrorTally;
 use crate::depth::arith::Raw;
 use crate::depth::packing::{Pair, TextPair};
 use crate::depth::roundtrip::{AnyRoundTrip, Closures, Path};
@@ -27,15 +27,15 @@ fn subject(under: Conditions, name: &str, channels: usize, bound: Option<Bound>)
 
 /// How much to look at.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort {
+pub struct Certifier {
     /// Sampled, brute or pruned.
     pub method: Method,
     /// The vector width.
     pub level: Level,
 }
 
-impl Effort {
-    fn tallies<F: Raw>(self, trip: &dyn RoundTrip<F>) -> Vec<Tally<F>> {
+impl Certifier {
+    fn tallies<F: Raw>(self, trip: &dyn RoundTrip<F>) -> Vec<ErrorTally<F>> {
         match self.method {
             Method::Sampled => sample(trip, self.level),
             Method::Brute => survey(trip, self.level, Method::Brute),
@@ -128,7 +128,7 @@ impl Effort {
             arithmetic: Arithmetic::Real.to_string(),
             bound: format_bound(trip),
         };
-        let tallies: Vec<Tally<f64>> = match self.method {
+        let tallies: Vec<ErrorTally<f64>> = match self.method {
             Method::Sampled | Method::Brute => self.tallies(&trip),
             Method::Pruned | Method::BreakPoints => survey_format(trip),
         };

@@ -1,11 +1,11 @@
 //! Certificates of depth round trips: does a pack/unpack pair or a format lose bits, where and why.
 //!
 //! ```
-//! use gnomon::analysis::roundtrip::{Conditions, Effort, Method};
+//! use gnomon::analysis::roundtrip::{Conditions, Certifier, Method};
 //! use gnomon::depth::{ByteStore, Packing};
 //! use gnomon::simd::Level;
 //!
-//! let effort = Effort { method: Method::Sampled, level: Level::best() };
+//! let effort = Certifier { method: Method::Sampled, level: Level::best() };
 //! let book = effort.certify_packing(Packing::Book, Conditions::plain(ByteStore::HalfEven));
 //! assert!(book.equivalent_bits < 9.0 && book.at_one == 0.0); // 32 bits stored, 9 kept; far wraps
 //! ```
@@ -13,12 +13,12 @@
 //! Your own pair, as two closures:
 //!
 //! ```
-//! # use gnomon::analysis::roundtrip::{Conditions, Effort, Method};
+//! # use gnomon::analysis::roundtrip::{Conditions, Certifier, Method};
 //! # use gnomon::depth::ByteStore;
 //! # use gnomon::simd::Level;
 //! let pack = |z: f32| [(z * 255.0).floor() / 255.0, (z * 255.0).fract(), 0.0, 0.0];
 //! let unpack = |c: [f32; 4]| c[0] + c[1] / 255.0;
-//! let effort = Effort { method: Method::Sampled, level: Level::best() };
+//! let effort = Certifier { method: Method::Sampled, level: Level::best() };
 //! let conditions = Conditions::plain(ByteStore::Truncate);
 //! let mine = effort.certify_closures("mine", 2, conditions, pack, unpack);
 //! // Truncated, the leading byte loses a step where f32 falls short of k/255.
@@ -48,7 +48,7 @@ pub mod verdict;
 pub mod world;
 
 pub use certificate::{Certificate, Order, Peak, Promise, RangeError, Special, Subject, certify};
-pub use combination::Effort;
+pub use combination::Certifier;
 pub use conditions::Conditions;
 pub use sample::{boundaries, sample};
 pub use survey::{Method, survey, survey_format};

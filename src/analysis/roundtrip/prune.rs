@@ -1,12 +1,12 @@
 //! Interval pruning: whole runs of floats answered for by one proof.
 //!
 //! If the enclosure of every channel over [a, b] stores one byte, all depths between decode to one
-//! value, and [`Tally::constant`] gives the exact statistics of the run from its ends. Where the
+//! value, and [`ErrorTally::constant`] gives the exact statistics of the run from its ends. Where the
 //! proof fails the run is halved; where it is bound to fail the brute loop takes over. Both give the
 //! same tally, maximum and position, so it does not matter where the border lies.
 
 use super::brute;
-use super::tally::Tally;
+use super::tally::ErrorTally;
 use crate::depth::RoundTrip;
 use crate::depth::arith::Raw;
 use crate::simd::Level;
@@ -23,9 +23,9 @@ pub(super) fn tally<F: Raw>(
     level: Level,
     start: u32,
     end: u32,
-) -> Tally<F> {
+) -> ErrorTally<F> {
     if let Some(value) = trip.constant(start, end) {
-        return Tally::constant(start, end, value);
+        return ErrorTally::constant(start, end, value);
     }
     let pieces = Pieces { trip, level };
     if pieces.is_hopeless(start, end) {
@@ -57,9 +57,9 @@ impl<F: Raw> Pieces<'_, F> {
         (0..PROBES).filter(fails).count() as u32 > PROBES / 2
     }
 
-    fn answer(&self, start: u32, end: u32) -> Tally<F> {
+    fn answer(&self, start: u32, end: u32) -> ErrorTally<F> {
         if let Some(value) = self.trip.constant(start, end) {
-            return Tally::constant(start, end, value);
+            return ErrorTally::constant(start, end, value);
         }
         if end - start < LEAF {
             return brute::tally_by(&proved(self.trip, self.level), self.level, start, end);
@@ -67,7 +67,7 @@ impl<F: Raw> Pieces<'_, F> {
         self.halve(start, end)
     }
 
-    fn halve(&self, start: u32, end: u32) -> Tally<F> {
+    fn halve(&self, start: u32, end: u32) -> ErrorTally<F> {
         let middle = start + (end - start) / 2;
         self.answer(start, middle).then(self.answer(middle + 1, end))
     }

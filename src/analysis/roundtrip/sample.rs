@@ -2,7 +2,7 @@
 
 use super::brute;
 use super::survey::{ONE, Segment, segments};
-use super::tally::{Drop, Extreme, Tally};
+use super::tally::{Drop, ErrorTally, Extreme};
 use crate::depth::RoundTrip;
 use crate::depth::arith::Raw;
 use crate::simd::Level;
@@ -88,7 +88,7 @@ fn plan() -> &'static [Look] {
 /// The sampled tallies of all segments. Extremes and inversions are those seen; the sums are of the
 /// strata alone, scaled to the whole segment, so that boundaries do not weigh more than they are.
 #[must_use]
-pub fn sample<F: Raw>(trip: &dyn RoundTrip<F>, level: Level) -> Vec<Tally<F>> {
+pub fn sample<F: Raw>(trip: &dyn RoundTrip<F>, level: Level) -> Vec<ErrorTally<F>> {
     let look = |look: &Look| {
         let tally = |&(start, end): &(u32, u32)| brute::tally(trip, level, start, end);
         let even = look.strata.iter().map(tally).reduce(beside);
@@ -97,18 +97,18 @@ pub fn sample<F: Raw>(trip: &dyn RoundTrip<F>, level: Level) -> Vec<Tally<F>> {
         let scale = length / even.count as f64;
         let fine = look.around.iter().map(tally);
         let seen = fine.fold(even, beside);
-        Tally { sum: even.sum * scale, squares: even.squares * scale, ..seen }
+        ErrorTally { sum: even.sum * scale, squares: even.squares * scale, ..seen }
     };
     plan().par_iter().map(look).collect()
 }
 
 /// Joins two runs that are not neighbours.
-fn beside<F: Raw>(a: Tally<F>, b: Tally<F>) -> Tally<F> {
+fn beside<F: Raw>(a: ErrorTally<F>, b: ErrorTally<F>) -> ErrorTally<F> {
     let larger = |a: Drop, b: Drop| if b.size > a.size { b } else { a };
     let earlier = |a: Extreme<F>, b: Extreme<F>| {
         if a.error.key() == b.error.key() && b.at < a.at { b } else { a.or(b) }
     };
-    Tally {
+    ErrorTally {
         count: a.count + b.count,
         evaluated: a.evaluated + b.evaluated,
         above: earlier(a.above, b.above),

@@ -1,6 +1,6 @@
 //! Every float of [0, 1], cut into segments of one binade, answered for in order.
 
-use super::tally::Tally;
+use super::tally::ErrorTally;
 use super::{breakpoints, brute, prune};
 use crate::depth::arith::Raw;
 use crate::depth::{FormatTrip, RoundTrip};
@@ -56,7 +56,7 @@ pub fn segments() -> Vec<Segment> {
 /// # Panics
 /// With another method.
 #[must_use]
-pub fn survey<F: Raw>(trip: &dyn RoundTrip<F>, level: Level, method: Method) -> Vec<Tally<F>> {
+pub fn survey<F: Raw>(trip: &dyn RoundTrip<F>, level: Level, method: Method) -> Vec<ErrorTally<F>> {
     answered_by(|start, end| tally(trip, level, method, start, end))
 }
 
@@ -71,7 +71,7 @@ pub fn tally<F: Raw>(
     method: Method,
     start: u32,
     end: u32,
-) -> Tally<F> {
+) -> ErrorTally<F> {
     match method {
         Method::Brute => brute::tally(trip, level, start, end),
         Method::Pruned => prune::tally(trip, level, start, end),
@@ -81,16 +81,16 @@ pub fn tally<F: Raw>(
 
 /// The tallies of all segments of a depth format, by the break points of its codes.
 #[must_use]
-pub fn survey_format<F: Raw>(trip: FormatTrip) -> Vec<Tally<F>> {
+pub fn survey_format<F: Raw>(trip: FormatTrip) -> Vec<ErrorTally<F>> {
     answered_by(|start, end| breakpoints::tally(trip, start, end))
 }
 
-fn answered_by<F: Raw>(answer: impl Fn(u32, u32) -> Tally<F> + Sync) -> Vec<Tally<F>> {
+fn answered_by<F: Raw>(answer: impl Fn(u32, u32) -> ErrorTally<F> + Sync) -> Vec<ErrorTally<F>> {
     let segments = segments();
     let pieces: Vec<_> = segments.iter().enumerate().flat_map(pieces).collect();
-    let tallies: Vec<(usize, Tally<F>)> =
+    let tallies: Vec<(usize, ErrorTally<F>)> =
         pieces.into_par_iter().map(|(segment, start, end)| (segment, answer(start, end))).collect();
-    let mut joined: Vec<Tally<F>> = Vec::with_capacity(segments.len());
+    let mut joined: Vec<ErrorTally<F>> = Vec::with_capacity(segments.len());
     for (segment, tally) in tallies {
         match joined.get_mut(segment) {
             Some(before) => *before = before.then(tally),

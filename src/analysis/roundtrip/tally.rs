@@ -32,7 +32,7 @@ pub struct Drop {
 
 /// Statistics of the round-trip error decoded − z over consecutive floats of one binade.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tally<F> {
+pub struct ErrorTally<F> {
     /// Bit pattern of the first depth.
     pub start: u32,
     /// How many depths are answered for.
@@ -57,7 +57,7 @@ pub struct Tally<F> {
     pub last: F,
 }
 
-impl<F: Raw> Tally<F> {
+impl<F: Raw> ErrorTally<F> {
     /// The tally of depths `start`…`end` (one binade) that all decode to `value`.
     ///
     /// |value − z| is convex in z, so the greatest errors lie at the ends; so do their first
@@ -114,12 +114,12 @@ impl<F: Raw> Tally<F> {
     }
 }
 
-impl<F: Raw> Tally<F> {
+impl<F: Raw> ErrorTally<F> {
     /// The same statistics as f64.
     #[must_use]
-    pub fn widened(self) -> Tally<f64> {
+    pub fn widened(self) -> ErrorTally<f64> {
         let wide = |e: Extreme<F>| Extreme { error: e.error.into(), at: e.at };
-        Tally {
+        ErrorTally {
             start: self.start,
             count: self.count,
             evaluated: self.evaluated,

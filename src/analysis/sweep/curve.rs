@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// The counts at every amount ≥ 0.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curve {
+pub struct SweptCurve {
     /// Receivers by [`Kind`].
     kinds: [Steps; Kind::COUNT],
     /// Of the taps of truly lit and of truly shadowed receivers; `None` while every look-up has one tap,
@@ -18,7 +18,7 @@ pub struct Curve {
     pub critical: Option<f32>,
 }
 
-impl Curve {
+impl SweptCurve {
     /// Of look-ups with one tap each, or of any.
     #[must_use]
     pub fn new(single_taps: bool) -> Self {
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_curve_counts_half_open_intervals() {
-        let mut curve = Curve::new(true);
+        let mut curve = SweptCurve::new(true);
         curve.count(Kind::ACNE, f32::NEG_INFINITY, 0.5);
         curve.count(Kind::ACNE, f32::NEG_INFINITY, 0.25);
         curve.count(Kind::PETER_PANNING, 0.75, f32::INFINITY);
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn what_comes_and_goes_at_one_amount_is_never_there() {
-        let mut curve = Curve::new(true);
+        let mut curve = SweptCurve::new(true);
         curve.count(Kind::LIGHT_LEAK, 0.25, 0.5);
         curve.count(Kind::LIGHT_LEAK, 0.5, 0.75);
         curve.count(Kind::LIGHT_LEAK, 0.1, 0.1);
@@ -187,10 +187,10 @@ mod tests {
     #[test]
     fn shares_are_summed_whether_alike_or_not() {
         let taps = [(-1.0, 5), (0.25, 5), (0.5, 5), (0.5, 7), (f32::INFINITY, 3), (0.75, 5)];
-        let mut alone = Curve::new(false);
+        let mut alone = SweptCurve::new(false);
         taps.iter().for_each(|&(from, share)| alone.lights(true, from, || share));
         let some = |taps: &[(f32, i64)]| {
-            let mut curve = Curve::new(false);
+            let mut curve = SweptCurve::new(false);
             taps.iter().for_each(|&(from, share)| curve.lights(true, from, || share));
             curve
         };
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn only_gaps_longer_than_those_before_are_kept() {
-        let mut curve = Curve::new(true);
+        let mut curve = SweptCurve::new(true);
         for (from, inside) in [(0.3, 2.0), (0.1, 1.0), (0.2, 0.5), (0.1, 0.75), (0.4, 2.0)] {
             curve.panned(from, inside);
         }

@@ -1,7 +1,7 @@
 //! Verdicts for continuous integration: limits on acne and peter-panning, and an older run to compare
 //! with.
 
-use super::results::combination;
+use super::results::cost;
 pub use super::results::key;
 use super::{CaseSweep, Point, Swept};
 use crate::{Error, Result, input};
@@ -10,14 +10,14 @@ use std::path::Path;
 
 /// A length limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Length {
+pub enum LengthLimit {
     /// Texel edges of the swept map at the middle receiver.
     Texels(f64),
     /// World units.
     World(f64),
 }
 
-impl std::str::FromStr for Length {
+impl std::str::FromStr for LengthLimit {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
@@ -59,7 +59,7 @@ pub struct Limits {
     /// Largest share of the truly lit with acne.
     pub acne: Option<f64>,
     /// Longest contact gap.
-    pub peter_panning: Option<Length>,
+    pub peter_panning: Option<LengthLimit>,
 }
 
 /// Combinations that fail, one sentence each; one whose own rate is not measured fails.
@@ -90,8 +90,8 @@ fn failure(case: &CaseSweep, s: &Swept, limits: &Limits) -> Option<String> {
     let rate = |p: &Point| p.tally.of(super::tally::Kind::ACNE) as f64 / lit;
     let texel = case.texel_world * f64::from(case.own_size) / f64::from(s.size);
     let longest = limits.peter_panning.map_or(f64::INFINITY, |length| match length {
-        Length::Texels(n) => n * texel,
-        Length::World(world) => world,
+        LengthLimit::Texels(n) => n * texel,
+        LengthLimit::World(world) => world,
     });
     let acne = limits.acne.unwrap_or(1.0);
     let all = || s.points.iter();
@@ -152,7 +152,7 @@ pub fn compare(baseline: &Value, sweeps: &[CaseSweep]) -> Result<Comparison> {
             comparison.worse.push(format!("{name}: no receiver is measured now"));
             continue;
         }
-        let (was, is) = (cost(before), cost(&combination(s)));
+        let (was, is) = (cost_before(before), cost(s));
         match is.partial_cmp(&was) {
             Some(std::cmp::Ordering::Equal) => comparison.same += 1,
             Some(std::cmp::Ordering::Less) => comparison.better += 1,
@@ -163,8 +163,8 @@ pub fn compare(baseline: &Value, sweeps: &[CaseSweep]) -> Result<Comparison> {
     Ok(comparison)
 }
 
-/// What is compared: infeasible first, then wrong receivers at the acne-free amount, then the amount.
-fn cost(combination: &Value) -> [f64; 3] {
+/// The [`cost`] of a combination of an older run.
+fn cost_before(combination: &Value) -> [f64; 3] {
     let number = |name: &str| combination.get(name).and_then(Value::as_f64);
     match number("acne_free") {
         None => [1.0, number("least_wrong").unwrap_or(0.0), 0.0],

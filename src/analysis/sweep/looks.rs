@@ -1,6 +1,6 @@
 //! The comparisons of all receivers under one map: what each tap compares, and how errors are named.
 
-use super::curve::Curve;
+use super::curve::SweptCurve;
 use super::tally::{Kind, SHARE, Tally};
 use super::turns::{Along, Turns};
 use crate::analysis::classify::StoredCaster;
@@ -98,7 +98,7 @@ impl Looks {
         rule: CompareRule,
         bias: &impl Fn(usize, f32) -> f32,
         scale: f32,
-        curve: &mut Curve,
+        curve: &mut SweptCurve,
     ) {
         let first_lit = |look: &Look| {
             let guess = rule.turning_point(look.z, look.stored) / scale;
@@ -161,8 +161,8 @@ pub fn curve<'l>(
     rule: CompareRule,
     bias: impl Fn(usize, usize, f32) -> f32,
     scale: impl Fn(usize) -> f32,
-) -> Curve {
-    let mut curve = Curve::new(false);
+) -> SweptCurve {
+    let mut curve = SweptCurve::new(false);
     for (i, look) in looks {
         look.break_down(rule, &|map, a| bias(i, map, a), scale(i), &mut curve);
     }

@@ -2,7 +2,7 @@
 
 use super::block::{Block, RECEIVERS, Source};
 use super::chart::Chart;
-use super::curve::Curve;
+use super::curve::SweptCurve;
 use super::maps::Surface;
 use super::store::Store;
 use super::tally::SHARE;
@@ -20,14 +20,14 @@ use std::slice;
 
 impl Chart<'_, '_> {
     /// The exact curve of a strategy with a bias of the taps: that of [`Self::looks`], none of which is kept.
-    pub(super) fn curve(&self, texel: TexelFormat, strategy: Strategy, taps: &Taps) -> Curve {
+    pub(super) fn curve(&self, texel: TexelFormat, strategy: Strategy, taps: &Taps) -> SweptCurve {
         let (all, recipe) = (self.all(), strategy.with(0.0));
         self.with_maps(&[texel], &recipe, &all, |stores, surface| {
             let moved = recipe.changes_map().then_some(surface);
             let run = Run { chart: self, store: &stores[0], moved, follow: recipe.follow, taps };
             let of = |which: &[u32]| run.curve(which).thinned();
-            let curves: Vec<Curve> = all.par_chunks(RECEIVERS).map(of).collect();
-            curves.iter().fold(run.nothing(), Curve::joined).sorted()
+            let curves: Vec<SweptCurve> = all.par_chunks(RECEIVERS).map(of).collect();
+            curves.iter().fold(run.nothing(), SweptCurve::joined).sorted()
         })
     }
 }
@@ -43,12 +43,12 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    fn nothing(&self) -> Curve {
-        Curve::new(self.chart.taps_each() == Some(1))
+    fn nothing(&self) -> SweptCurve {
+        SweptCurve::new(self.chart.taps_each() == Some(1))
     }
 
     /// The curve of some receivers, not sorted.
-    fn curve(&self, which: &[u32]) -> Curve {
+    fn curve(&self, which: &[u32]) -> SweptCurve {
         let Self { chart, store, follow, taps, .. } = *self;
         let receivers = &chart.field.receivers;
         let (level, bound, mut block) = (Level::best(), taps.bound(), Block::default());
@@ -87,7 +87,7 @@ struct Here<'h> {
 impl Here<'_> {
     /// Adds the receiver to a curve.
     #[inline(always)]
-    fn count(self, breakpoints: &[f32], curve: &mut Curve) {
+    fn count(self, breakpoints: &[f32], curve: &mut SweptCurve) {
         let receivers = &self.run.chart.field.receivers;
         let (lit, inside) = (receivers.lit[self.receiver], receivers.inside[self.receiver]);
         let centre = if breakpoints.len() == 1 { 0 } else { self.footprint().centre() };

@@ -31,6 +31,7 @@ pub mod scales;
 pub mod shard;
 mod steps;
 mod store;
+mod stored;
 mod swept;
 pub mod tally;
 pub mod taps;
@@ -158,26 +159,42 @@ pub fn sweep_case(case: &Case, plan: &Plan, done: &impl Fn()) -> CaseSweep {
 
 /// Sweeps all cases of a plan; `done` is called after each case and map size.
 ///
-/// # Panics
-/// Never: results that have just been computed can be read.
+/// ```
+/// use gnomon::analysis::sweep::tally::Kind;
+/// use gnomon::analysis::sweep::{self, Plan, Range, plan};
+/// use gnomon::shadow::bias::Strategy;
+///
+/// let plan = Plan {
+///     cases: plan::cases_named(&["upc".to_string()])?,
+///     sizes: vec![64],
+///     formats: vec![plan::format_named("unorm16")?],
+///     filters: vec![None],
+///     strategies: vec![Strategy::Constant],
+///     bias: Range { low: 1e-6, high: 1e-1, log: true, count: 20 },
+///     step: 8,
+///     max_acne: 0.0,
+/// }
+/// .checked()?;
+/// let sweeps = sweep::run(&plan, || ());
+/// let constant = &sweeps[0].swept[0];
+/// let ends = constant.acne_free.expect("some bias ends its acne");
+/// assert_eq!(ends.tally.of(Kind::ACNE), 0);
+/// println!("{} of window depth end acne, {:?} detaches", ends.amount, constant.detachment);
+/// # Ok::<(), gnomon::Error>(())
+/// ```
 #[must_use]
 pub fn run(plan: &Plan, done: impl Fn()) -> Vec<CaseSweep> {
     run_by(plan, Effort::default(), done)
 }
 
-/// The same by a given effort: `--truth`, `--no-skip`. No result depends on it.
-///
-/// # Panics
-/// Never, like [`run`].
+/// Sweeps a plan like [`run`] by a given effort: `--truth`, `--no-skip`. No result depends on it.
 #[must_use]
 pub fn run_by(plan: &Plan, effort: Effort, done: impl Fn()) -> Vec<CaseSweep> {
     let mut worker = shard::Worker::new(plan, effort);
     let compute = |item: u32| {
-        let result = worker.compute(item);
+        let part = worker.compute(item);
         done();
-        result
+        (item, part)
     };
-    let results: Vec<Vec<u8>> = (0..shard::items(plan).len() as u32).map(compute).collect();
-    let results = (0..).zip(results.iter().map(Vec::as_slice)).collect();
-    shard::assemble(plan, &results).expect("results that have just been computed can be read")
+    shard::assemble(plan, (0..shard::items(plan).len() as u32).map(compute).collect())
 }

@@ -9,25 +9,41 @@ pub fn key(case: &str, s: &Swept) -> String {
     format!("{case} {} {} {} {}", s.size, s.format.name(), s.filter, s.strategy)
 }
 
-/// The shortest decimal of an f32 as a JSON number.
-fn short(x: f32) -> Value {
-    x.to_string().parse::<f64>().map_or(Value::Null, Value::from)
+/// The shortest decimal of an f32 as a number.
+fn short(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::NAN)
+}
+
+/// Receivers with a wrong verdict at a point.
+fn wrong(p: &Point) -> i64 {
+    p.tally.false_shadow() + p.tally.false_light()
+}
+
+/// What runs are compared by, as `results.json` would say it: infeasible first, then wrong receivers at
+/// the acne-free amount (or the fewest at any), then that amount.
+pub(super) fn cost(s: &Swept) -> [f64; 3] {
+    match s.acne_free {
+        None => [1.0, s.least().map_or(0.0, |p| wrong(p) as f64), 0.0],
+        Some(p) => [0.0, wrong(&p) as f64, short(p.amount)],
+    }
 }
 
 /// One combination as it stands in `results.json`; what there is none of is left out.
 #[must_use]
 pub fn combination(s: &Swept) -> Value {
-    let wrong = |p: &Point| p.tally.false_shadow() + p.tally.false_light();
     let mut entry = serde_json::Map::new();
     let mut put = |name: &str, value: Option<Value>| {
         entry.extend(value.map(|v| (name.to_string(), v)));
     };
-    put("acne_free", s.acne_free.map(|p| short(p.amount)));
+    put("acne_free", s.acne_free.map(|p| short(p.amount).into()));
     put("wrong_at_acne_free", s.acne_free.as_ref().map(|p| wrong(p).into()));
-    put("contact_gap_world", s.acne_free.filter(|p| p.gap > 0.0).map(|p| short(p.gap as f32)));
+    put(
+        "contact_gap_world",
+        s.acne_free.filter(|p| p.gap > 0.0).map(|p| short(p.gap as f32).into()),
+    );
     let measured = s.populations != [0, 0];
     put("least_wrong", s.least().filter(|_| measured).map(|p| wrong(p).into()));
-    put("detachment", s.detachment.filter(|b| b.is_finite()).map(short));
+    put("detachment", s.detachment.filter(|b| b.is_finite()).map(|b| short(b).into()));
     Value::Object(entry)
 }
 

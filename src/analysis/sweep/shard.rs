@@ -1,12 +1,8 @@
-//! A sweep as work items: one case on one map size each, with results that survive a file bit by bit.
+//! A sweep as work items: one case on one map size each.
 
-use super::tally::Kind;
-use super::tally::Tally;
-use super::{CaseSweep, Field, Plan, Point, Swept, plan, sweep_size};
+use super::{CaseSweep, Field, Plan, Swept, sweep_size};
 use crate::analysis::effort::Effort;
-use crate::{Error, Result};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
@@ -46,6 +42,19 @@ pub fn key(plan: &Plan) -> String {
     text.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// What one item gives: the sweeps of one case on one map size, and what is known of the case.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// World units per unit of window depth at the middle receiver.
+    pub world_per_window: f64,
+    /// Edge of a texel of the case's own map there, world units.
+    pub texel_world: f64,
+    /// Bias and predicted share of acne, as in [`CaseSweep::theory`].
+    pub theory: Vec<(f32, f64)>,
+    /// In the order of the plan: filters, formats, strategies.
+    pub swept: Vec<Swept>,
+}
+
 /// Computes items. Those of one case share its receivers while they come one after the other.
 #[derive(Debug)]
 pub struct Worker<'p> {
@@ -55,17 +64,17 @@ pub struct Worker<'p> {
 }
 
 impl<'p> Worker<'p> {
-    /// Of a plan; no result depends on the effort.
+    /// A worker on a plan; no result depends on the effort.
     #[must_use]
     pub const fn new(plan: &'p Plan, effort: Effort) -> Self {
         Self { plan, effort, field: None }
     }
 
-    /// The result of one item as bytes for [`assemble`]; the same bytes on every machine.
+    /// The result of one item; the same on every machine.
     ///
     /// # Panics
     /// If there is no such item.
-    pub fn compute(&mut self, item: u32) -> Vec<u8> {
+    pub fn compute(&mut self, item: u32) -> Part {
         let (plan, item) = (self.plan, item as usize);
         let index = item / plan.sizes.len();
         let case = &plan.cases[index];
@@ -74,138 +83,26 @@ impl<'p> Worker<'p> {
             self.field = Some((index, Field::with(case, plan.step, self.effort)));
         }
         let (_, field) = self.field.as_ref().expect("it has just been set");
-        let facts = CaseSweep::of(field, plan);
+        let CaseSweep { world_per_window, texel_world, theory, .. } = CaseSweep::of(field, plan);
         let one = |filter: &Option<_>| {
             let filter = filter.unwrap_or(case.lookup.filter);
             sweep_size(field, size_of(plan, item), filter, plan)
         };
         let swept: Vec<Vec<Swept>> = plan.filters.par_iter().map(one).collect();
-        let stored = Stored {
-            world_per_window: facts.world_per_window.to_bits(),
-            texel_world: facts.texel_world.to_bits(),
-            theory: facts.theory.iter().map(|(b, share)| (b.to_bits(), share.to_bits())).collect(),
-            swept: swept.iter().flatten().map(StoredSwept::of).collect(),
-        };
-        serde_json::to_vec(&stored).expect("integers and names are JSON")
+        Part { world_per_window, texel_world, theory, swept: swept.into_iter().flatten().collect() }
     }
 }
 
 /// The sweeps of a plan from the results of its items; what is missing is left out.
-///
-/// # Errors
-/// [`Error::BadInput`] where a result is none of this version.
-pub fn assemble(plan: &Plan, results: &BTreeMap<u32, &[u8]>) -> Result<Vec<CaseSweep>> {
+#[must_use]
+pub fn assemble(plan: &Plan, parts: BTreeMap<u32, Part>) -> Vec<CaseSweep> {
     let mut sweeps: Vec<CaseSweep> = plan.cases.iter().map(CaseSweep::named).collect();
-    for (&item, bytes) in results {
+    for (item, part) in parts {
         let sweep = &mut sweeps[item as usize / plan.sizes.len()];
-        let stored = serde_json::from_slice::<Stored>(bytes).ok();
-        let swept = stored.as_ref().and_then(|s| s.swept.iter().map(StoredSwept::read).collect());
-        let (Some(stored), Some(swept)) = (stored, swept) else {
-            let place =
-                format!("result of item {item} ({} {})", sweep.name, size_of(plan, item as usize));
-            return Err(Error::bad_input(place, "cannot be read", "sweep again without --resume"));
-        };
-        let swept: Vec<Swept> = swept;
-        sweep.world_per_window = f64::from_bits(stored.world_per_window);
-        sweep.texel_world = f64::from_bits(stored.texel_world);
-        let theory = stored.theory.iter();
-        sweep.theory = theory.map(|&(b, s)| (f32::from_bits(b), f64::from_bits(s))).collect();
-        sweep.swept.extend(swept);
+        sweep.world_per_window = part.world_per_window;
+        sweep.texel_world = part.texel_world;
+        sweep.theory = part.theory;
+        sweep.swept.extend(part.swept);
     }
-    Ok(sweeps)
-}
-
-/// An item's result: floats as their bits, so that nothing is lost, infinities included.
-#[derive(Debug, Serialize, Deserialize)]
-struct Stored {
-    world_per_window: u64,
-    texel_world: u64,
-    theory: Vec<(u32, u64)>,
-    swept: Vec<StoredSwept>,
-}
-
-/// Amount, receivers by kind, false shadow, false light, gap.
-#[derive(Debug, Serialize, Deserialize)]
-struct StoredPoint(u32, [i64; Kind::COUNT], i64, i64, u64);
-
-#[derive(Debug, Serialize, Deserialize)]
-struct StoredSwept {
-    strategy: String,
-    format: String,
-    filter: String,
-    size: u32,
-    points: Vec<StoredPoint>,
-    acne_free: Option<StoredPoint>,
-    critical: Option<u32>,
-    detachment: Option<u32>,
-    populations: [u64; 2],
-}
-
-impl StoredPoint {
-    const fn of(point: &Point) -> Self {
-        let Tally { kinds, shadow, light } = point.tally;
-        Self(point.amount.to_bits(), kinds, shadow, light, point.gap.to_bits())
-    }
-
-    const fn read(&self) -> Point {
-        let tally = Tally { kinds: self.1, shadow: self.2, light: self.3 };
-        Point { amount: f32::from_bits(self.0), tally, gap: f64::from_bits(self.4) }
-    }
-}
-
-impl StoredSwept {
-    fn of(swept: &Swept) -> Self {
-        Self {
-            strategy: swept.strategy.to_string(),
-            format: swept.format.name().to_string(),
-            filter: swept.filter.to_string(),
-            size: swept.size,
-            points: swept.points.iter().map(StoredPoint::of).collect(),
-            acne_free: swept.acne_free.as_ref().map(StoredPoint::of),
-            critical: swept.critical.map(f32::to_bits),
-            detachment: swept.detachment.map(f32::to_bits),
-            populations: swept.populations,
-        }
-    }
-
-    /// `None` where a name is not known.
-    fn read(&self) -> Option<Swept> {
-        Some(Swept {
-            strategy: self.strategy.parse().ok()?,
-            format: plan::format_named(&self.format).ok()?,
-            filter: self.filter.parse().ok()?,
-            size: self.size,
-            points: self.points.iter().map(StoredPoint::read).collect(),
-            acne_free: self.acne_free.as_ref().map(StoredPoint::read),
-            critical: self.critical.map(f32::from_bits),
-            detachment: self.detachment.map(f32::from_bits),
-            populations: self.populations,
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_result_survives_storage_bit_by_bit() {
-        let tally = Tally { kinds: [1, -2, 3, 4, 5, i64::MAX], shadow: i64::MIN, light: 7 };
-        let point = Point { amount: f32::from_bits(1), tally, gap: f64::INFINITY };
-        let swept = Swept {
-            strategy: "constant".parse().unwrap(),
-            format: plan::format_named("book").unwrap(),
-            filter: crate::scene::Filter::ALL[1],
-            size: 4096,
-            points: vec![point, Point { amount: -0.0, ..point }],
-            acne_free: Some(point),
-            critical: None,
-            detachment: Some(f32::INFINITY),
-            populations: [u64::MAX, 3],
-        };
-        let text = serde_json::to_string(&StoredSwept::of(&swept)).unwrap();
-        let read = serde_json::from_str::<StoredSwept>(&text).unwrap().read().unwrap();
-        assert_eq!(format!("{read:?}"), format!("{swept:?}"));
-        assert!(read.points[1].amount.is_sign_negative());
-    }
+    sweeps
 }

@@ -1,7 +1,7 @@
 //! Biases of the taps: of every receiver at any amount of a strategy, and the curves along it.
 
 use super::chart::Chart;
-use super::curve::Curve;
+use super::curve::SweptCurve;
 use super::looks::{self, Looks};
 use crate::scene::{CompareRule, TexelFormat};
 use crate::shadow::bias::{Strategy, Weights};
@@ -78,7 +78,7 @@ impl Taps {
     /// The exact curve of the comparisons of all receivers, one after the other: the arbiter of
     /// [`Self::curve_on`].
     #[must_use]
-    pub fn curve(&self, looks: &[Looks], rule: CompareRule) -> Curve {
+    pub fn curve(&self, looks: &[Looks], rule: CompareRule) -> SweptCurve {
         let bias = |i: usize, map: usize, a: f32| self.bias_in(i, map, a);
         looks::curve(looks.iter().enumerate(), rule, bias, |i| self.scale(i))
     }
@@ -90,7 +90,7 @@ impl Taps {
         chart: &Chart<'_, '_>,
         format: TexelFormat,
         strategy: Strategy,
-    ) -> Curve {
+    ) -> SweptCurve {
         if chart.field.skips() && !chart.field.chooses() {
             return chart.curve(format, strategy, self);
         }

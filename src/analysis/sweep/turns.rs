@@ -1,6 +1,6 @@
 //! One receiver along all amounts of a bias: which tap decides where, and what its error is called.
 
-use super::curve::Curve;
+use super::curve::SweptCurve;
 use super::tally::Kind;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::verdict::{Held, WHOLE, spans};
@@ -28,7 +28,7 @@ pub(super) struct Turns<'t, H> {
 impl<H: Along> Turns<'_, H> {
     /// Adds this receiver to a curve.
     #[inline(always)]
-    pub(super) fn count(&self, curve: &mut Curve) {
+    pub(super) fn count(&self, curve: &mut SweptCurve) {
         if self.breakpoints.is_empty() {
             return self.count_unlooked(curve);
         }
@@ -41,7 +41,7 @@ impl<H: Along> Turns<'_, H> {
         if self.lit { self.count_darkness(curve) } else { self.count_brightness(curve) }
     }
 
-    fn count_unlooked(&self, curve: &mut Curve) {
+    fn count_unlooked(&self, curve: &mut SweptCurve) {
         if !self.lit {
             curve.lights(false, f32::NEG_INFINITY, || WHOLE);
             curve.count(Kind::LIGHT_LEAK, f32::NEG_INFINITY, f32::INFINITY);
@@ -50,7 +50,7 @@ impl<H: Along> Turns<'_, H> {
 
     /// Where a truly lit receiver is dark.
     #[inline(always)]
-    fn count_darkness(&self, curve: &mut Curve) {
+    fn count_darkness(&self, curve: &mut SweptCurve) {
         let kind = |tap: usize| Kind::false_shadow(self.held.caster(tap), self.held.is_sound(tap));
         let until = spans(true, self.centre, self.breakpoints, |tap, from, until| {
             curve.count(kind(tap), from, until);
@@ -62,7 +62,7 @@ impl<H: Along> Turns<'_, H> {
 
     /// Where a truly shadowed receiver is lit.
     #[inline(always)]
-    fn count_brightness(&self, curve: &mut Curve) {
+    fn count_brightness(&self, curve: &mut SweptCurve) {
         spans(false, self.centre, self.breakpoints, |tap, from, until| {
             self.count_lit(tap, from, until, curve);
         });
@@ -70,7 +70,7 @@ impl<H: Along> Turns<'_, H> {
 
     /// A truly shadowed receiver that one tap lights on [from, until).
     #[inline(always)]
-    fn count_lit(&self, tap: usize, from: f32, until: f32, curve: &mut Curve) {
+    fn count_lit(&self, tap: usize, from: f32, until: f32, curve: &mut SweptCurve) {
         let caster = self.held.caster(tap);
         if caster != StoredCaster::Occluder {
             return curve.count(Kind::false_light(caster, false), from, until);

@@ -1,6 +1,6 @@
 //! The cheapest map that a scene can do with.
 
-use super::{Answer, Outcome, Request, Tuned};
+use super::{Found, Tuned, Tuning};
 use crate::analysis::sweep::Field;
 use crate::analysis::sweep::chart::{Attachment, Chart};
 use crate::depth::DepthFormat;
@@ -50,14 +50,10 @@ impl Configuration {
 
 /// The cheapest map, by bytes and then fetches, on which the best knob (or else the first whose line is
 /// known) ends acne and lights hardly more of the shadow than on the asked map.
-pub(super) fn cheapest(
-    field: &Field<'_>,
-    request: &Request,
-    answer: &Answer<'_>,
-) -> Option<Configuration> {
-    let known = |t: &&Tuned| !matches!(t.outcome, Outcome::Withdrawn(_));
-    let best = answer.best();
-    let knob = best.or_else(|| answer.tuned.iter().find(known))?.knob;
+pub(super) fn cheapest(field: &Field<'_>, tuning: &Tuning) -> Option<Configuration> {
+    let known = |t: &&Tuned| !matches!(t.found, Found::Withdrawn(_));
+    let best = tuning.best();
+    let knob = best.or_else(|| tuning.tuned.iter().find(known))?.knob;
     let light = best.and_then(|t| t.swept.acne_free).map_or(0.0, |p| p.tally.false_light() as f64);
     let allowed = light / field.populations[1].max(1) as f64 + 0.005;
     let sizes = [128, 256, 512, 1024, 2048];
@@ -76,7 +72,7 @@ pub(super) fn cheapest(
     options.sort_by_key(|&(bytes, fetches, ..)| (bytes, fetches));
     options.into_iter().find_map(|(bytes, _, size, format, filter)| {
         let chart = Chart::new(field, size, filter, Attachment::of(format));
-        let tuned = Tuned::new(&chart, format, knob, request.max_acne);
+        let tuned = Tuned::new(&chart, format, knob, tuning.max_acne);
         let false_light = tuned.swept.share(tuned.swept.acne_free?.tally.false_light(), 1);
         let value = tuned.value()?;
         (false_light.unwrap_or(0.0) <= allowed).then_some(Configuration {

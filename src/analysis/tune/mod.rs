@@ -1,11 +1,11 @@
 //! The bias that a scene needs, in an engine's own parameters.
 
 mod cheapest;
+mod report;
 mod tables;
 mod words;
 
 use super::budget::Budget;
-use super::measure::unmeasured;
 use super::sweep::chart::{Attachment, Chart};
 use super::sweep::field::Sample;
 use super::sweep::looks::Look;
@@ -13,37 +13,16 @@ use super::sweep::tally::{Kind, Tally};
 use super::sweep::{Field, Question, Range, Scales, Swept, amounts, sweep};
 use crate::engines::withdrawn::Withdrawal;
 use crate::engines::{Engine, Knob, Place, Setting};
-use crate::report::number::significant;
-use crate::report::{Block, Profile, Report, Section};
-use crate::scene::{Case, TexelFormat};
+use crate::scene::TexelFormat;
 use crate::shadow::bias::slope::receiver_slope;
 use crate::shadow::bias::{NormalMove, Recipe, Strategy};
 pub use cheapest::Configuration;
 use cheapest::cheapest;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use tables::{artifacts, units};
-
-/// What is tuned.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The scene.
-    pub case: Case,
-    /// The engine.
-    pub engine: Engine,
-    /// Acne allowed as a share of the truly lit.
-    pub max_acne: f64,
-    /// Quick or full.
-    pub profile: Profile,
-    /// Seed, for the record.
-    pub seed: u64,
-    /// The command that asks this again.
-    pub command: String,
-}
+pub use report::{Request, report};
 
 /// What comes of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
+pub enum Found {
     /// The smallest value that meets the target, in the engine's unit.
     Set(f64),
     /// The target is met without any bias.
@@ -62,7 +41,7 @@ pub struct Tuned {
     /// The parameter.
     pub knob: Knob,
     /// What comes of it.
-    pub outcome: Outcome,
+    pub found: Found,
     /// The sweep behind it.
     pub swept: Swept,
 }
@@ -85,29 +64,29 @@ impl Tuned {
         let swept = swept(chart, format, knob.strategy, max_acne);
         let setting = Setting::of(chart.field.case(), chart.filter);
         let amount = swept.acne_free.map(|p| f64::from(p.amount));
-        let outcome = match (amount, knob.withdrawn(&setting)) {
-            (Some(0.0), _) => Outcome::NotNeeded,
-            (_, Some(withdrawal)) => Outcome::Withdrawn(withdrawal),
-            (None, None) => Outcome::Infeasible,
+        let found = match (amount, knob.withdrawn(&setting)) {
+            (Some(0.0), _) => Found::NotNeeded,
+            (_, Some(withdrawal)) => Found::Withdrawn(withdrawal),
+            (None, None) => Found::Infeasible,
             (Some(amount), None) => {
                 let value = knob.value(amount);
                 let beyond = knob.strategy == Strategy::Constant && amount > 1.0;
                 match knob.accepts(value) && !beyond {
-                    true => Outcome::Set(value),
-                    false => Outcome::OutOfRange(value),
+                    true => Found::Set(value),
+                    false => Found::OutOfRange(value),
                 }
             }
         };
-        Self { knob, outcome, swept }
+        Self { knob, found, swept }
     }
 
     /// The value to set; `None` where none is recommended.
     #[must_use]
     pub const fn value(&self) -> Option<f64> {
-        match self.outcome {
-            Outcome::Set(value) => Some(value),
-            Outcome::NotNeeded => Some(0.0),
-            Outcome::Infeasible | Outcome::OutOfRange(_) | Outcome::Withdrawn(_) => None,
+        match self.found {
+            Found::Set(value) => Some(value),
+            Found::NotNeeded => Some(0.0),
+            Found::Infeasible | Found::OutOfRange(_) | Found::Withdrawn(_) => None,
         }
     }
 
@@ -168,50 +147,83 @@ fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally
     tally
 }
 
-/// Everything that is worked out for one request.
-struct Answer<'r> {
-    request: &'r Request,
-    populations: [u64; 2],
-    /// In order of preference; empty where nothing is lit and acne is not measured.
-    tuned: Vec<Tuned>,
-    /// Each setting and what it leaves wrong; the engine's defaults last, where they are known.
-    rows: Vec<(String, Tally)>,
+/// What is known of an engine's bias on a scene: its parameters tuned, its defaults measured.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Tuning {
+    /// The engine.
+    pub engine: Engine,
+    /// The target: acne allowed, as a share of the truly lit.
+    pub max_acne: f64,
+    /// Truly lit and truly shadowed receivers.
+    pub populations: [u64; 2],
+    /// Every parameter of the engine, in order of preference: those that meet the target first, of them
+    /// the one that costs the least light. Empty where nothing is lit and acne is not measured.
+    pub tuned: Vec<Tuned>,
+    /// What the engine's defaults leave wrong; `None` where nothing is measured or it is not said.
+    pub defaults: Option<Tally>,
     /// Why what the defaults leave is not said.
-    no_default: Option<&'static Withdrawal>,
+    pub no_default: Option<&'static Withdrawal>,
     /// The constant bias that ends acne, window depth; asked where a line is withdrawn.
-    constant: Option<f32>,
+    pub constant: Option<f32>,
     /// The best value in window depth at the middle receiver.
-    window: Option<f64>,
-    place: Option<Place>,
-    setting: Setting,
+    pub window: Option<f64>,
+    /// Where units are converted: the middle receiver; `None` where nothing is measured.
+    pub place: Option<Place>,
+    /// What a line's validity depends on.
+    pub setting: Setting,
+    /// The cheapest map with which the scene meets the target; `None` where no smaller one does.
+    pub cheapest: Option<Configuration>,
+    /// Where the needed bias comes from; `None` where nothing is lit.
+    pub budget: Option<Budget>,
 }
 
-impl<'r> Answer<'r> {
-    fn new(request: &'r Request, chart: &Chart<'_, '_>, format: TexelFormat) -> Self {
-        let (engine, populations) = (request.engine, chart.field.populations);
+/// The bias for an engine on a field's scene: the smallest value of each of its parameters with acne on at
+/// most `max_acne` of the truly lit.
+///
+/// ```
+/// use gnomon::analysis::sweep::Field;
+/// use gnomon::analysis::tune::{self, Found};
+/// use gnomon::engines::Engine;
+/// use gnomon::scene::cases;
+///
+/// let case = cases::named("book-r8-y7")?;
+/// let field = Field::new(&case, 8); // every eighth pixel, both ways
+/// let tuning = tune::tune(&field, Engine::ThreeJs, 0.001);
+/// let best = tuning.best().expect("some parameter ends acne");
+/// let Found::Set(value) = best.found else { panic!("this scene needs a bias") };
+/// println!("{}", tuning.engine.line(&best.knob, value));
+/// assert!(tuning.window.is_some_and(|depth| depth > 0.0));
+/// # Ok::<(), gnomon::Error>(())
+/// ```
+#[must_use]
+pub fn tune(field: &Field<'_>, engine: Engine, max_acne: f64) -> Tuning {
+    let (size, format) = (field.case().map.size, field.case().map.texel);
+    let filter = format.usable(field.case().lookup.filter);
+    let chart = Chart::new(field, size, filter, Attachment::of(format));
+    let mut tuning = Tuning::on(&chart, format, engine, max_acne);
+    if field.populations[0] > 0 {
+        tuning.cheapest = cheapest(field, &tuning);
+        tuning.budget = Some(Budget::of(field));
+    }
+    tuning
+}
+
+impl Tuning {
+    /// Everything that the asked map says.
+    fn on(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine, max_acne: f64) -> Self {
+        let populations = chart.field.populations;
         let knobs = if populations[0] > 0 { engine.knobs() } else { Vec::new() };
-        let tune = |knob| Tuned::new(chart, format, knob, request.max_acne);
+        let tune = |knob| Tuned::new(chart, format, knob, max_acne);
         let mut tuned: Vec<Tuned> = knobs.into_iter().map(tune).collect();
         tuned.sort_by_key(Tuned::merit);
-        let setting = Setting::of(&request.case, chart.filter);
+        let setting = Setting::of(chart.field.case(), chart.filter);
         let no_default = engine.default_withdrawn(&setting);
-        let row = |t: &Tuned| {
-            let name = match t.outcome {
-                Outcome::Set(value) => format!("{} = {}", t.knob.name, significant(value, 6)),
-                Outcome::NotNeeded => format!("{}: none", t.knob.name),
-                Outcome::Infeasible | Outcome::OutOfRange(_) | Outcome::Withdrawn(_) => {
-                    return None;
-                }
-            };
-            Some((name, t.swept.acne_free?.tally))
-        };
-        let mut rows: Vec<(String, Tally)> = tuned.iter().filter_map(row).collect();
-        if no_default.is_none() && populations != [0, 0] {
-            rows.push((format!("{engine} defaults"), defaults(chart, format, engine)));
-        }
-        let is_withdrawn = |t: &Tuned| matches!(t.outcome, Outcome::Withdrawn(_));
+        let is_said = no_default.is_none() && populations != [0, 0];
+        let defaults = is_said.then(|| defaults(chart, format, engine));
+        let is_withdrawn = |t: &Tuned| matches!(t.found, Found::Withdrawn(_));
         let constant = tuned.iter().any(is_withdrawn).then(|| {
-            let swept = swept(chart, format, Strategy::Constant, request.max_acne);
+            let swept = swept(chart, format, Strategy::Constant, max_acne);
             swept.acne_free.map(|p| p.amount)
         });
         let place = place(chart.field, chart.size, format);
@@ -220,125 +232,26 @@ impl<'r> Answer<'r> {
             let amount = f64::from(t.swept.acne_free?.amount);
             place.window(t.knob.strategy, amount).filter(|depth| depth.abs() <= 1.0)
         });
-        let constant = constant.flatten();
-        Self { request, populations, rows, no_default, constant, window, place, setting, tuned }
+        let (constant, cheapest, budget) = (constant.flatten(), None, None);
+        Self {
+            engine,
+            max_acne,
+            populations,
+            tuned,
+            defaults,
+            no_default,
+            constant,
+            window,
+            place,
+            setting,
+            cheapest,
+            budget,
+        }
     }
 
-    fn best(&self) -> Option<&Tuned> {
+    /// The parameter to set; `None` where none is recommended.
+    #[must_use]
+    pub fn best(&self) -> Option<&Tuned> {
         self.tuned.iter().find(|t| t.value().is_some())
-    }
-
-    /// The lines to paste, or why there are none, and the tables.
-    fn section(&self) -> Section {
-        let engine = self.request.engine;
-        let lead = match self.best() {
-            Some(_) => "Each line alone ends acne; the first one costs the least light.",
-            None => "No line is recommended.",
-        };
-        let mut section = Section::new("answer", "The value", lead);
-        for t in &self.tuned {
-            match t.outcome {
-                Outcome::Set(value) => {
-                    let line = engine.line(&t.knob, value);
-                    section.push(Block::Code { language: engine.name().into(), text: line });
-                }
-                Outcome::NotNeeded
-                | Outcome::Infeasible
-                | Outcome::OutOfRange(_)
-                | Outcome::Withdrawn(_) => section.push(self.reason(t)),
-            }
-        }
-        if self.tuned.is_empty() {
-            section.push(self.nothing_lit());
-        }
-        if !self.rows.is_empty() {
-            section.push(artifacts(&self.rows, self.populations));
-        }
-        let bias = self.window.filter(|bias| *bias != 0.0);
-        if let (Some(bias), Some(place)) = (bias, &self.place) {
-            let (table, left_out) = units(place, bias, &self.setting);
-            section.push(table);
-            if !left_out.is_empty() {
-                section.push(format!(
-                    "Left out, since they are known to be wrong here or beyond what the engine keeps: {}.",
-                    left_out.join(", ")
-                ));
-            }
-        }
-        section.push(format!("Formula and defaults of {engine} are those of {}.", engine.source()));
-        section
-    }
-
-    fn results(&self, cheap: Option<&Configuration>, budget: Option<&Budget>) -> Value {
-        let request = self.request;
-        let value = |knob: &Knob| {
-            let tuned = self.tuned.iter().find(|t| t.knob.name == knob.name);
-            (knob.name, tuned.and_then(Tuned::value))
-        };
-        let values: BTreeMap<&str, Option<f64>> =
-            request.engine.knobs().iter().map(value).collect();
-        json!({
-            "schema": "gnomon-tune-1",
-            "profile": request.profile,
-            "seed": request.seed,
-            "case": request.case.name,
-            "engine": request.engine,
-            "values": values,
-            "window_depth": self.window,
-            "budget": budget,
-            "cheapest": cheap.map(|c| json!({
-                "map": c.size, "format": c.format.name(), "filter": c.filter, "bytes": c.bytes,
-                "value": c.value, "false_light": c.false_light,
-            })),
-        })
-    }
-}
-
-/// The report of one request.
-#[must_use]
-pub fn report(request: &Request) -> Report {
-    let (case, engine) = (&request.case, request.engine);
-    let step = if request.profile == Profile::Quick { 4 } else { 1 };
-    let field = Field::new(case, step);
-    let format = case.map.texel;
-    let filter = format.usable(case.lookup.filter);
-    let chart = Chart::new(&field, case.map.size, filter, Attachment::of(format));
-    let answer = Answer::new(request, &chart, format);
-    let none = (field.populations == [0, 0]).then(|| unmeasured(case, step));
-    let mut lead = vec![match &none {
-        Some(why) => format!("{why}. No bias is recommended."),
-        None => answer.sentence(),
-    }];
-    let (cheap, budget) = match field.populations[0] {
-        0 => (None, None),
-        _ => (cheapest(&field, request, &answer), Some(Budget::of(&field))),
-    };
-    lead.extend(answer.withdrawn());
-    lead.extend(answer.cheapest_sentence(cheap.as_ref()));
-    lead.extend(budget.as_ref().map(|budget| budget.sentence(&case.name)));
-    if !engine.remark().is_empty() {
-        lead.push(format!("Of {engine}: {}.", engine.remark()));
-    }
-    Report {
-        name: "tune".into(),
-        title: format!("{}: the bias for {engine}", case.name),
-        question: "Which bias does this scene need, in this engine's own parameters?".into(),
-        lead,
-        profile: request.profile,
-        seed: request.seed,
-        parameters: BTreeMap::from([
-            ("case".into(), case.name.clone()),
-            ("engine".into(), engine.to_string()),
-            ("map".into(), case.map.size.to_string()),
-            ("format".into(), format.name().into()),
-            ("filter".into(), filter.to_string()),
-            ("allowed acne".into(), request.max_acne.to_string()),
-        ]),
-        command: request.command.clone(),
-        sections: vec![answer.section()],
-        results_csv: Some(artifacts(&answer.rows, field.populations)),
-        results: answer.results(cheap.as_ref(), budget.as_ref()),
-        unmeasured: none.into_iter().collect(),
-        ..Report::default()
     }
 }

@@ -1,6 +1,6 @@
 //! What is said of a tuned scene: the sentence on top, and why a parameter has no line.
 
-use super::{Answer, Configuration, Outcome, Tuned};
+use super::{Found, Tuned, Tuning};
 use crate::analysis::measurement::{half_measured, share};
 use crate::analysis::sweep::tally::{Kind, Tally};
 use crate::report::number::{percent, significant};
@@ -8,7 +8,7 @@ use crate::report::number::{percent, significant};
 /// The sides of the populations, in their order.
 const SIDES: [&str; 2] = ["lit", "shadowed"];
 
-impl Answer<'_> {
+impl Tuning {
     /// `12 % of the lit`, or that it is not measured.
     fn share(&self, count: i64, side: usize) -> String {
         share(count.unsigned_abs(), self.populations[side]).map_or_else(
@@ -19,17 +19,17 @@ impl Answer<'_> {
 
     /// Why a parameter has no line, in one sentence.
     pub(super) fn reason(&self, t: &Tuned) -> String {
-        let (engine, name) = (self.request.engine, t.knob.name);
-        match t.outcome {
-            Outcome::Set(_) => String::new(),
-            Outcome::NotNeeded => {
+        let (engine, name) = (self.engine, t.knob.name);
+        match t.found {
+            Found::Set(_) => String::new(),
+            Found::NotNeeded => {
                 let acne = t.swept.acne_free.map_or(0, |p| p.tally.of(Kind::ACNE));
                 format!(
                     "{name}: no bias is needed, without any there is acne on {}.",
                     self.share(acne, 0)
                 )
             }
-            Outcome::OutOfRange(value) => {
+            Found::OutOfRange(value) => {
                 let [low, high] = t.knob.range.map(|end| significant(end, 4));
                 let keeps = match t.knob.accepts(value) {
                     true => "that is more than the whole depth range".to_string(),
@@ -40,7 +40,7 @@ impl Answer<'_> {
                     significant(value, 4)
                 )
             }
-            Outcome::Withdrawn(w) => {
+            Found::Withdrawn(w) => {
                 let needed = match self.constant {
                     None => "no constant bias ends acne here".to_string(),
                     Some(bias) => format!(
@@ -53,7 +53,7 @@ impl Answer<'_> {
                     w.why, w.instead
                 )
             }
-            Outcome::Infeasible => self.least(t),
+            Found::Infeasible => self.least(t),
         }
     }
 
@@ -105,7 +105,7 @@ impl Answer<'_> {
             let (shadow, light) = (self.share(t.of(Kind::ACNE), 0), self.share(t.false_light(), 1));
             format!(" The default leaves {shadow} with acne and {light} lit.")
         };
-        self.rows.last().map_or_else(String::new, |(_, tally)| leaves(tally))
+        self.defaults.as_ref().map_or_else(String::new, leaves)
     }
 
     /// The sentence on top.
@@ -123,28 +123,27 @@ impl Answer<'_> {
             (self.share(p.tally.of(Kind::ACNE), 0), self.share(p.tally.false_light(), 1))
         });
         let conflict = Self::conflict(t);
-        match t.outcome {
-            Outcome::Set(value) => format!(
+        match t.found {
+            Found::Set(value) => format!(
                 "Set {} to {}: acne falls to {acne}, false light is {light}.{conflict}{half}{default}",
                 t.knob.name,
                 significant(value, 6),
             ),
-            Outcome::NotNeeded
-            | Outcome::Infeasible
-            | Outcome::OutOfRange(_)
-            | Outcome::Withdrawn(_) => format!(
-                "No bias is needed: without any there is acne on {acne}, and false light is {light}.{conflict}{half}{default}"
-            ),
+            Found::NotNeeded | Found::Infeasible | Found::OutOfRange(_) | Found::Withdrawn(_) => {
+                format!(
+                    "No bias is needed: without any there is acne on {acne}, and false light is {light}.{conflict}{half}{default}"
+                )
+            }
         }
     }
 
     /// Why no value is recommended.
     fn refusal(&self) -> String {
-        let is_known = |t: &&Tuned| !matches!(t.outcome, Outcome::Withdrawn(_));
+        let is_known = |t: &&Tuned| !matches!(t.found, Found::Withdrawn(_));
         let Some(known) = self.tuned.iter().find(is_known) else {
             let mut reasons: Vec<(&str, String)> = Vec::new();
             for t in &self.tuned {
-                if let Outcome::Withdrawn(w) = t.outcome
+                if let Found::Withdrawn(w) = t.found
                     && reasons.iter().all(|(why, _)| *why != w.why)
                 {
                     reasons.push((w.why, self.reason(t)));
@@ -155,15 +154,15 @@ impl Answer<'_> {
         };
         format!(
             "Infeasible: no value of any of {}'s parameters brings acne to {} or below on this map. {}",
-            self.request.engine,
-            percent(self.request.max_acne, 3),
+            self.engine,
+            percent(self.max_acne, 3),
             self.reason(known),
         )
     }
 
     /// The parameters whose lines are withdrawn beside others, a sentence each.
     pub(super) fn withdrawn(&self) -> Vec<String> {
-        let is_withdrawn = |t: &&Tuned| matches!(t.outcome, Outcome::Withdrawn(_));
+        let is_withdrawn = |t: &&Tuned| matches!(t.found, Found::Withdrawn(_));
         let list = self.tuned.iter().filter(is_withdrawn);
         if list.clone().count() < self.tuned.len() {
             list.map(|t| self.reason(t)).collect()
@@ -173,11 +172,11 @@ impl Answer<'_> {
     }
 
     /// What is said of the cheapest map; nothing where there is nothing to say.
-    pub(super) fn cheapest_sentence(&self, cheap: Option<&Configuration>) -> Option<String> {
-        let printable = |t: &Tuned| !matches!(t.outcome, Outcome::Withdrawn(_));
+    pub(super) fn cheapest_sentence(&self) -> Option<String> {
+        let printable = |t: &Tuned| !matches!(t.found, Found::Withdrawn(_));
         let none = "No smaller configuration meets the target.".to_string();
-        match cheap {
-            Some(cheap) => Some(cheap.sentence()),
+        match &self.cheapest {
+            Some(cheapest) => Some(cheapest.sentence()),
             None => self.tuned.iter().any(printable).then_some(none),
         }
     }

@@ -38,6 +38,26 @@ pub struct Header {
     pub items: u32,
 }
 
+/// A result that a journal can hold: as bytes, and back without losing a bit.
+pub trait Item: Sized {
+    /// The result as bytes, the same on every machine.
+    fn to_bytes(&self) -> Vec<u8>;
+
+    /// The result that gave these bytes; `None` where they are none of this version's.
+    fn from_bytes(bytes: &[u8]) -> Option<Self>;
+}
+
+/// Bytes stand for themselves.
+impl Item for Vec<u8> {
+    fn to_bytes(&self) -> Vec<u8> {
+        self.clone()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        Some(bytes.to_vec())
+    }
+}
+
 /// A finished item: its result, or why it failed.
 pub type Outcome = std::result::Result<Vec<u8>, String>;
 

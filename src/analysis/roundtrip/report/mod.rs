@@ -6,7 +6,7 @@ mod results;
 mod tables;
 
 use super::certificate::Certificate;
-use super::combination::Effort;
+use super::combination::Certifier;
 use super::conditions::Conditions;
 use super::survey::Method;
 use super::verdict::{Advice, Evidence, verdict};
@@ -23,7 +23,7 @@ pub const SCHEMA: &str = "gnomon-roundtrip-1";
 
 /// What to certify.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct CertifyOptions {
     /// Quick or full.
     pub profile: Profile,
     /// Carried into the report; nothing here is random.
@@ -105,7 +105,7 @@ impl Dossier {
     }
 }
 
-impl Options {
+impl CertifyOptions {
     /// Settings whose every float is answered for: those with wide loops, as far as asked; and Aras
     /// 2009 under both samplers, whose counts of inversions are known.
     fn method(&self, packing: Option<Packing>, setting: usize) -> Method {
@@ -122,8 +122,8 @@ impl Options {
         }
     }
 
-    fn effort(&self, packing: Option<Packing>, setting: usize) -> Effort {
-        Effort { method: self.method(packing, setting), level: Level::best() }
+    fn effort(&self, packing: Option<Packing>, setting: usize) -> Certifier {
+        Certifier { method: self.method(packing, setting), level: Level::best() }
     }
 
     /// How many steps `report` announces.
@@ -145,7 +145,7 @@ impl Options {
     }
 }
 
-fn certificates(packing: Packing, options: &Options) -> Vec<Certificate> {
+fn certificates(packing: Packing, options: &CertifyOptions) -> Vec<Certificate> {
     let certify = |(i, setting): (usize, &Setting)| {
         options.effort(Some(packing), i).certify_packing(packing, setting.conditions)
     };
@@ -174,7 +174,7 @@ fn dossier(
     Dossier { name: name.to_string(), about, packing, certificates, advice, sentence }
 }
 
-fn measure(options: &Options, progress: &(impl Fn() + Sync)) -> Measured {
+fn measure(options: &CertifyOptions, progress: &(impl Fn() + Sync)) -> Measured {
     let computed: Vec<(Packing, Vec<Certificate>)> = options
         .originals()
         .into_par_iter()
@@ -208,7 +208,7 @@ fn measure(options: &Options, progress: &(impl Fn() + Sync)) -> Measured {
 
 /// Formats by break points; f32 itself loses nothing and is only sampled, as is in the quick profile
 /// a format with more codes than most binades have floats.
-fn certify_format(format: DepthFormat, options: &Options) -> Certificate {
+fn certify_format(format: DepthFormat, options: &CertifyOptions) -> Certificate {
     let quick = options.profile == Profile::Quick && !options.exhaustive;
     let method = match format {
         DepthFormat::F32 => Method::Sampled,
@@ -216,12 +216,12 @@ fn certify_format(format: DepthFormat, options: &Options) -> Certificate {
         _ => Method::BreakPoints,
     };
     let trip = FormatTrip { format, store: UnormStore::Exact, load: UnormLoad::Divide };
-    Effort { method, level: Level::best() }.certify_format(trip)
+    Certifier { method, level: Level::best() }.certify_format(trip)
 }
 
-/// Certifies and builds the report. `progress` is called [`Options::steps`] times.
+/// Certifies and builds the report. `progress` is called [`CertifyOptions::steps`] times.
 #[must_use]
-pub fn report(options: &Options, progress: impl Fn() + Sync) -> Report {
+pub fn report(options: &CertifyOptions, progress: impl Fn() + Sync) -> Report {
     let measured = measure(options, &progress);
     let mut report = Report {
         name: "roundtrip".into(),
@@ -244,7 +244,7 @@ pub fn report(options: &Options, progress: impl Fn() + Sync) -> Report {
     report
 }
 
-fn command(options: &Options) -> String {
+fn command(options: &CertifyOptions) -> String {
     let mut words = vec!["gnomon-roundtrip".to_string()];
     let mut say = |given: bool, word: &str| words.extend(given.then(|| word.to_string()));
     say(options.profile == Profile::Quick, "--quick");
@@ -258,7 +258,7 @@ fn command(options: &Options) -> String {
     words.join(" ")
 }
 
-fn sections(measured: &Measured, options: &Options) -> Vec<Section> {
+fn sections(measured: &Measured, options: &CertifyOptions) -> Vec<Section> {
     let mut advice = Section::new(
         "advice",
         "Which packing to use",

@@ -1,11 +1,11 @@
 //! `results.json`: every certificate, told once for packings with the same operations.
 
-use super::{Dossier, Measured, Options, SCHEMA, SETTINGS, Setting};
+use super::{CertifyOptions, Dossier, Measured, SCHEMA, SETTINGS, Setting};
 use crate::analysis::roundtrip::certificate::{Certificate, Promise, RangeError, Special};
 use serde_json::{Value, json};
 
 /// The body of `results.json`.
-pub(super) fn results(options: &Options, measured: &Measured) -> Value {
+pub(super) fn results(options: &CertifyOptions, measured: &Measured) -> Value {
     let distinct: Vec<&Dossier> = measured.distinct().collect();
     let packing = |dossier: &Dossier| {
         let told = distinct.iter().find(|d| d.name != dossier.name && d.same_as(dossier));
