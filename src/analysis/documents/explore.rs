@@ -85,7 +85,7 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
         let row = height - 1 - o.pixel[1] / step;
         seen[(row * width + o.pixel[0] / step) as usize] = Some(o);
     }
-    let taps = measured.observations.first().map_or(1, |o| o.breakpoints.len());
+    let taps = measured.observations.iter().map(|o| o.breakpoints.len()).max().unwrap_or(1);
     let mut view = View {
         name: case.name.clone(),
         taps,
@@ -94,7 +94,9 @@ fn view(measured: &Measured<'_>, explorer: &Explorer) -> View {
     };
     for o in &seen {
         view.truth.push(truth(*o));
-        for tap in order(o.map_or(0, |o| o.taps.centre()), taps) {
+        // Receivers with fewer taps, as those in one map beside a blend of two, repeat theirs.
+        let [centre, own] = o.map_or([0, 1], |o| [o.taps.centre(), o.breakpoints.len()]);
+        for tap in order(centre, own).collect::<Vec<_>>().into_iter().cycle().take(taps) {
             view.breakpoints.push(o.map_or(f32::INFINITY, |o| o.breakpoints[tap]));
             view.codes.push(codes(observer, *o, tap));
         }
