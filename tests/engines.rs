@@ -59,7 +59,8 @@ fn worked_numbers_of_every_engine() {
         (Engine::Urp, "shadowDepthBias", 2.0),
         (Engine::Urp, "shadowNormalBias", 0.2 / (0.2 * 0.125)),
         (Engine::Hdrp, "normalBias", 1.6),
-        (Engine::Hdrp, "slopeBias", bias / 1e-5),
+        // One unit r comes with every slope.
+        (Engine::Hdrp, "slopeBias", (bias - 1.0 / 16_777_216.0) / 1e-5),
         // a·(s/4)·(1 + 1.5 tan θ) = 0.25 with tan θ = 0.75.
         (Engine::Unreal, "r.Shadow.CSMDepthBias", 0.25 / (0.125 / 4.0 * 2.125)),
         (Engine::Playcanvas, "shadowBias", bias / (10.0 * (1e-5 + 1.0 / 16_777_216.0))),
@@ -69,7 +70,7 @@ fn worked_numbers_of_every_engine() {
         (Engine::Gl, "units", 262_144.0),
         (Engine::Vulkan, "depthBiasConstantFactor", 262_144.0),
         (Engine::D3d12, "DepthBias", 262_144.0),
-        (Engine::Webgpu, "depthBiasSlopeScale", bias / 1e-5),
+        (Engine::Webgpu, "depthBiasSlopeScale", (bias - 1.0 / 16_777_216.0) / 1e-5),
     ];
     for (engine, name, expected) in rows {
         let found = value(engine, name, &sun(), bias);

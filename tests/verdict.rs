@@ -182,8 +182,8 @@ fn the_observer_and_the_sweep_give_one_verdict() {
     let (mut wrong, mut receivers) = (0, 0);
     for name in ["book-r8-y7", "upc", "exam-pcf", "fundamentals-spot", "runnable-rgba8"] {
         let case = cases::named(name).unwrap();
-        let measured = measure(&case, 8);
-        let field = Field::new(&case, 8);
+        let measured = measure(&case, 4);
+        let field = Field::new(&case, 4);
         let (format, filter) = (case.map.texel, case.map.texel.usable(case.lookup.filter));
         let chart = Chart::new(&field, case.map.size, filter, Attachment::of(format));
         let recipe = Strategy::Constant.with(case.bias);

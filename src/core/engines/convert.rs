@@ -63,11 +63,14 @@ impl Place {
     }
 
     /// Amount of a strategy that is worth `bias` window depth on this surface: how far it lifts the
-    /// comparison. `None` where the strategy has no such size (layers, planes) or none here (sin 0).
+    /// comparison. `None` where the strategy has no such size (layers, planes) or none here (sin 0, less
+    /// than the one unit r that comes with a slope).
     #[must_use]
     pub fn amount(&self, strategy: Strategy, bias: f64) -> Option<f64> {
         let amount = match self.lever(strategy)? {
             Lever::Window(scale) => bias / scale,
+            Lever::Slope { slope, unit } if bias >= unit => (bias - unit) / slope,
+            Lever::Slope { .. } => return None,
             Lever::World(scale) => self.lift(bias, scale),
         };
         amount.is_finite().then_some(amount)
@@ -80,6 +83,7 @@ impl Place {
     pub fn window(&self, strategy: Strategy, amount: f64) -> Option<f64> {
         let bias = match self.lever(strategy)? {
             Lever::Window(scale) => amount * scale,
+            Lever::Slope { slope, unit } => amount * slope + unit,
             Lever::World(scale) => self.drop(amount, scale),
         };
         (0.0..=1.0).contains(&bias).then_some(bias)
@@ -100,7 +104,9 @@ impl Place {
             Strategy::Constant => Some(Lever::Window(1.0)),
             Strategy::FormatSteps => Some(Lever::Window(self.step)),
             Strategy::RasterUnits => Some(Lever::Window(self.unit)),
-            Strategy::SlopeRaster => Some(Lever::Window(self.caster_slope)),
+            Strategy::SlopeRaster => {
+                Some(Lever::Slope { slope: self.caster_slope, unit: self.unit })
+            }
             Strategy::ReceiverSlope => Some(Lever::Window(self.slope)),
             Strategy::RasterPlaycanvas => {
                 Some(Lever::Window(10.0 * (self.caster_slope + self.unit)))
@@ -125,9 +131,11 @@ impl Place {
     }
 }
 
-/// What one unit of an amount is: window depth or world length along the light.
+/// What an amount is worth: so much window depth each, so many slopes beside one unit r, or so much world
+/// length along the light each.
 enum Lever {
     Window(f64),
+    Slope { slope: f64, unit: f64 },
     World(f64),
 }
 
