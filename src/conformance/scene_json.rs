@@ -69,12 +69,13 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneDump> {
     let canvas = size(&root.get("canvas")?)?;
     let biases = root.get("biases")?.floats()?;
     let bias = biases.first().copied().ok_or_else(|| root.bad("no bias", "list one in biases"))?;
-    let light = light(&root.get("light")?)?;
+    let eye = root.get("light")?;
+    let light = Light::new(view(&eye)?, projection(&eye, 1.0)?, None);
     let camera = camera(&root.get("camera")?, canvas)?;
     let case = Case {
         name: root.get("id")?.text()?.to_string(),
         document: root.get("document")?.text()?.to_string(),
-        objects: objects(&root, chain, &light, &camera)?,
+        objects: objects(&root, chain, (&light, &camera))?,
         light,
         camera,
         canvas,
@@ -215,21 +216,12 @@ fn projection(field: &Field<'_>, aspect: f64) -> Result<Projection> {
     projection.checked(&field.place())
 }
 
-fn light(field: &Field<'_>) -> Result<Light> {
-    Ok(Light::new(view(field)?, projection(field, 1.0)?, None))
-}
-
 fn camera(field: &Field<'_>, canvas: [u32; 2]) -> Result<Camera> {
     let aspect = f64::from(canvas[0]) / f64::from(canvas[1]);
     Ok(Camera { view: view(field)?, projection: projection(field, aspect)? })
 }
 
-fn objects(
-    root: &Field<'_>,
-    chain: MatrixChain,
-    light: &Light,
-    camera: &Camera,
-) -> Result<Vec<Object>> {
+fn objects(root: &Field<'_>, chain: MatrixChain, eyes: (&Light, &Camera)) -> Result<Vec<Object>> {
     let globals = root.get("matrices")?;
     let object = |field: &Field<'_>| -> Result<Object> {
         let matrices = chain.read(|name| {
@@ -242,10 +234,8 @@ fn objects(
         let (name, model) = (field.get("name")?.text()?, field.get("model")?.matrix()?);
         let object = Object::new(name, mesh(field)?, model);
         // A scene of the dumps has one map: its matrices are those of every map of the light.
-        Ok(light
-            .maps()
-            .iter()
-            .fold(object, |o, map| o.with_uploaded(matrices.clone(), map, camera)))
+        let uploaded = |o: Object, map| o.with_uploaded(matrices.clone(), map, eyes.1);
+        Ok(eyes.0.maps().iter().fold(object, uploaded))
     };
     root.get("objects")?.items()?.iter().map(object).collect()
 }
