@@ -88,7 +88,7 @@ impl Observer<'_> {
         self.first_drawn(uv).map_or(f64::INFINITY, |(_, p)| self.window_depth(p))
     }
 
-    /// The same where `triangle` is known to be the first.
+    /// Judges where `triangle` is known to be the first.
     pub(super) fn depth_of(&self, triangle: u32, uv: DVec2) -> f64 {
         let [near, far] = self.light_ray(uv);
         match self.tracer.hit_of(triangle, near, far) {
@@ -121,13 +121,13 @@ impl Observer<'_> {
         [-1.0, 1.0].map(|z| self.world_from_clip.project_point3(ndc.extend(z)))
     }
 
-    /// Whose surface a texel holds, as seen by a receiver.
+    /// The owner of the surface that a texel holds, as seen by a receiver.
     pub(super) fn stored_caster(&self, o: &Observation, texel: u32) -> StoredCaster {
         let caster = self.subject.map_raster.triangle[texel as usize];
         self.caster_of(o.receiver.triangle, &o.answer.truth, caster, texel, self.case().map.size)
     }
 
-    /// Whose surface the triangle `caster` is to a receiver on triangle `own`, stored in `texel` of a
+    /// The relation of the triangle `caster` to a receiver on triangle `own`, stored in `texel` of a
     /// map of `size`² texels.
     #[must_use]
     pub fn caster_of(
@@ -183,7 +183,7 @@ impl Observer<'_> {
         }
     }
 
-    /// Whose surface a tap's own verdict rests on, and whether its texel is sound.
+    /// The owner of the surface that a tap's own verdict rests on, and whether its texel is sound.
     #[must_use]
     pub fn tap_caster(&self, o: &Observation, tap: usize) -> (StoredCaster, bool) {
         let seen = Seen { observer: self, o, truly_lit: o.truly_lit() == Some(true) };

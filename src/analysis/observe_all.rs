@@ -119,7 +119,7 @@ impl Observer<'_> {
         (Centres::Known { texels, depths }, count)
     }
 
-    /// The number of the texel under exact map coordinates in [0,1], rows being one longer than the map
+    /// The number of the texel under exact map coordinates in [0, 1], rows being one longer than the map
     /// for what lies on its border.
     fn texel_of(&self, exact: DVec3) -> u32 {
         let size = self.case().map.size;
@@ -160,7 +160,7 @@ impl Observer<'_> {
 enum Centres {
     /// Looked up for each receiver.
     Asked,
-    /// Of each texel of a set, in its order.
+    /// Known for each texel of a set, in its order.
     Known { texels: TexelSet, depths: Vec<f64> },
 }
 

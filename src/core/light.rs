@@ -57,7 +57,7 @@ impl Light {
         (self.view.position - p_world).dot(self.view.backward())
     }
 
-    /// Map coordinates and depth of a world point, all in [0,1] inside the map, and clip w.
+    /// Map coordinates and depth of a world point, all in [0, 1] inside the map, and clip w.
     /// f64; `None` behind the eye (w ≤ 0).
     #[must_use]
     pub fn window_from_world(&self, clip_from_world: &DMat4, p_world: DVec3) -> Option<DVec3> {

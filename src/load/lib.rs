@@ -70,7 +70,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
     read(path, &bytes, budget)
 }
 
-/// The same from the bytes of the file at `path`; files that they name are looked for beside it.
+/// Loads a scene from the bytes of the file at `path`; files that they name are looked for beside it.
 ///
 /// # Errors
 /// As [`load`].

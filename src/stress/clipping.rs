@@ -87,7 +87,7 @@ impl Spot {
         lit(map, &lookup(true, Wrap::Clamp), coord)
     }
 
-    /// The same where w ≤ 0 means outside the map.
+    /// Whether the look-up says lit where w ≤ 0 means outside the map.
     fn lit_guarded(&self, map: &ShadowMap, degrees: f64) -> bool {
         let window =
             self.light.window_from_world(&self.light.clip_from_world(), Self::around(degrees));

@@ -14,7 +14,7 @@ pub struct Sample {
     pub receiver: Receiver,
     /// Map coordinates and depth as the subject computes them.
     pub coord: [f32; 3],
-    /// The same, f64.
+    /// Exact map coordinates and depth, f64.
     pub exact: DVec3,
     /// What it truly sees.
     pub answer: Answer,

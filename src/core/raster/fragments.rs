@@ -100,7 +100,7 @@ impl Fragments {
         plane.at((texel % size) as f32, (texel / size) as f32)
     }
 
-    /// Of each slot the nearest surface over its texel and the second nearest, as a depth test LESS into
+    /// For each slot, the nearest surface over its texel and the second nearest, as a depth test LESS into
     /// a buffer cleared to 1 would meet them: of equal codes the first drawn wins. Bit for bit what
     /// [`super::draw`] writes. `found` is called with the place in `slots`.
     pub fn resolve(

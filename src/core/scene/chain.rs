@@ -18,7 +18,7 @@ crate::catalogue! {
         World = "world",
         /// Projection·(view·world), and a bias matrix in front for the light (document 003).
         BiasMatrix = "bias-matrix",
-        /// The same with document 003's bias matrix as printed: its third column repeats the second.
+        /// The chain with document 003's bias matrix as printed: its third column repeats the second.
         BiasMatrixAsPrinted = "bias-matrix-as-printed",
     }
 }
@@ -45,7 +45,7 @@ impl Stages {
     }
 }
 
-/// ½ scale and ½ offset: NDC → [0,1]. `z_column` is the third column.
+/// ½ scale and ½ offset: NDC → [0, 1]. `z_column` is the third column.
 fn bias_matrix(z_column: Vec4) -> Mat4 {
     let x = Vec4::new(0.5, 0.0, 0.0, 0.0);
     let y = Vec4::new(0.0, 0.5, 0.0, 0.0);

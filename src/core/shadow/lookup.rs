@@ -6,7 +6,7 @@ use crate::scene::{CompareRule, LookupSpec};
 
 /// Number of lit taps of a look-up at depth z; all of them where the range test says *outside*.
 ///
-/// The share `lit / taps` is the fractional visibility v ∈ [0,1].
+/// The share `lit / taps` is the fractional visibility v ∈ [0, 1].
 #[must_use]
 pub fn visibility(spec: &LookupSpec, coord: [f32; 3], taps: &Taps, bias: f32) -> usize {
     if spec.range_test && !in_square(coord) {

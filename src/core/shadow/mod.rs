@@ -53,7 +53,7 @@ impl Memory {
 pub struct Drawn<'a> {
     /// Window depths; 1 where nothing was drawn.
     pub depth: &'a [f32],
-    /// Triangles, or [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
+    /// Triangles, or [`NO_TRIANGLE`].
     pub triangle: &'a [u32],
 }
 
@@ -66,7 +66,7 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// Stores the depths of a drawn pass, 1 where it drew [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
+    /// Stores the depths of a drawn pass, 1 where it drew [`NO_TRIANGLE`].
     #[must_use]
     pub fn store(device: &Device, spec: &MapSpec, drawn: Drawn) -> Self {
         let mut map = Self::empty(spec.texel);
