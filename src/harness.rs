@@ -242,7 +242,7 @@ fn complain(sentence: &str) {
 /// Prints a table as aligned text, which is a Markdown table too.
 ///
 /// # Errors
-/// As [`print`].
+/// Those of [`print()`].
 pub fn print_table(table: &Table) -> Result<()> {
     print(&table.to_text())
 }

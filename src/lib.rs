@@ -14,23 +14,33 @@
 //!
 //! ## Layers
 //! A lower layer never imports a higher one, and siblings of L4 never import each other; a test holds
-//! this.
+//! this. The packages below this one can be depended on alone: `gnomon-core` measures, `gnomon-load` reads
+//! bytes, `gnomon-page` writes reports.
 //!
-//! | layer | modules |
-//! |---|---|
-//! | L0 | [`error`], [`catalogue`](mod@catalogue), [`num`], [`memory`], [`input`], [`simd`] (the only `unsafe`) |
-//! | L1 | [`depth`] (mappings, formats, packings, stores), [`view`] (matrices) |
-//! | L2 | [`device`], [`light`], [`camera`] |
-//! | L3 | [`scene`] (meshes, cases, the words of a pipeline) |
-//! | L4 | [`shadow`] (the subject's map, look-ups, biases), [`truth`] (f64, exact signs): they share inputs, never code |
-//! | L5 | [`raster`] (coverage, planes, passes) |
-//! | L6 | [`report`], [`output`]: data and writers, they know nothing of shadows |
-//! | L7 | [`analysis`], [`conformance`], [`stress`] |
-//! | L8 | [`harness`] (what the binaries share) |
+//! | layer | package | modules |
+//! |---|---|---|
+//! | L0 | core | [`error`], [`catalogue`](mod@catalogue), [`num`], `size` (amounts of memory), [`simd`] (the only `unsafe`) |
+//! | L1 | core | [`depth`] (mappings, formats, packings, stores), [`view`] (matrices) |
+//! | L2 | core | [`device`], [`light`], [`camera`] |
+//! | L3 | core | [`scene`] (meshes, cases, the words of a pipeline) |
+//! | L4 | core | [`shadow`] (the subject's map, look-ups, biases), [`truth`] (f64, exact signs): they share inputs, never code |
+//! | L5 | core | [`raster`] (coverage, planes, passes), [`engines`] (a bias in an engine's own unit, and back) |
+//! | L6 | load | [`load`] (glTF, OBJ, PLY, TOML: bytes to a scene) |
+//! | L0 | page | [`input`] (bounded files), [`memory`] (the budget) |
+//! | L6 | page | [`report`], [`output`]: data and writers, they know nothing of shadows |
+//! | L7 | gnomon | [`analysis`] (verdicts, sweeps, certificates, studies), [`conformance`] (against measured WebGL), [`stress`] (where it breaks), [`scene_file`] (a scene from a command line) |
+//! | L8 | gnomon | [`harness`] (what the binaries share) |
+//!
+//! ## Answers
+//! Each question has a function that gives values: [`analysis::measure::measure`] (what is wrong with a
+//! case, and why), [`analysis::tune::tune`] (which bias for an engine), [`analysis::formats::measure`]
+//! (which format), [`analysis::sweep::run`] and [`analysis::pareto::entries`] (which strategy, at which
+//! cost), [`analysis::roundtrip::Certifier`] (what a packing loses), [`stress::run`] (where it breaks).
+//! Reports are made from those values.
 //!
 //! ## Conventions
 //! - Right-handed, y up, views look down −z. Matrices are `a_from_b` and names cancel.
-//! - Clip space is OpenGL's; window depth is always in [0,1]. Texel (0,0) is the lowest u, v; PNG and
+//! - Clip space is OpenGL's; window depth is always in [0, 1]. Texel (0,0) is the lowest u, v; PNG and
 //!   EXR are written top row first.
 //! - The subject is f32 with its order of operations spelled out, the truth is f64. Inputs are
 //!   f32-exact, so that a difference is always error.

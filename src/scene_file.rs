@@ -95,7 +95,7 @@ impl SceneFile {
     /// scene file, and what nobody says is fitted to the geometry.
     ///
     /// # Errors
-    /// [`Error::BadInput`] or [`Error::Read`] in one sentence.
+    /// [`Error::BadInput`](crate::Error::BadInput) or [`Error::Read`](crate::Error::Read) in one sentence.
     pub fn case(&self) -> Result<Option<Case>> {
         self.case_with(|_| {})
     }

@@ -199,7 +199,7 @@ impl serde::Serialize for Kind {
 pub enum Outcome {
     /// The visibility equals the truth.
     Agree,
-    /// It does not.
+    /// The visibility differs from the truth.
     Wrong(Fault),
 }
 
@@ -223,7 +223,7 @@ impl Outcome {
     }
 }
 
-/// Whose surface the deciding texel holds.
+/// The owner of the surface that the deciding texel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoredCaster {
     /// Nothing was drawn there.

@@ -23,7 +23,7 @@ pub(super) struct Counts<'o> {
     pub(super) panning: Vec<&'o Observation>,
     /// Lit receivers that their own surface shadows without a bias.
     pub(super) striped: Vec<&'o Observation>,
-    /// Of the truly lit, of the truly shadowed.
+    /// Wrong verdicts of the truly lit and of the truly shadowed.
     wrongs: [Wrong; 2],
     on_rung: [u64; 5],
     /// By object.
@@ -128,7 +128,7 @@ impl<'o> Counts<'o> {
         }
     }
 
-    /// Both, the receivers of `self` before those of `other`.
+    /// The counts of both together, the receivers of `self` before those of `other`.
     fn joined(mut self, other: Self) -> Self {
         self.samples.merge(&other.samples);
         self.thresholds = self.thresholds.joined(other.thresholds);

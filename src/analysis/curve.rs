@@ -8,9 +8,9 @@ use rayon::prelude::*;
 /// The breakpoints of all counted receivers, sorted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Of each tap of truly lit receivers.
+    /// Breakpoints of the taps of truly lit receivers.
     lit: Weighted,
-    /// Of each tap of truly shadowed receivers.
+    /// Breakpoints of the taps of truly shadowed receivers.
     shadowed: Weighted,
     /// The largest of each truly lit receiver: from it on the receiver is fully lit.
     lit_last: Vec<f32>,
@@ -193,7 +193,7 @@ impl Thresholds {
         *self = self.joined(found);
     }
 
-    /// Those of both populations.
+    /// The errors of both populations together.
     pub(super) fn joined(self, other: Self) -> Self {
         let pick = |a: Option<f32>, b: Option<f32>, of: fn(f32, f32) -> f32| match (a, b) {
             (Some(a), Some(b)) => Some(of(a, b)),

@@ -160,7 +160,22 @@ fn quantum_world(field: &Field<'_>, format: TexelFormat, reversed: bool) -> Opti
     Some(step / field.site(middle, &field.case().layout()).window_per_world)
 }
 
-/// All formats of a case at its own map size and filter.
+/// All formats of a case at its own map size and filter: those of [`FORMATS`], then the reversed ones.
+///
+/// ```
+/// use gnomon::analysis::formats;
+/// use gnomon::analysis::sweep::Field;
+/// use gnomon::scene::cases;
+///
+/// let case = cases::named("upc")?;
+/// let answers = formats::measure(&Field::new(&case, 8)); // every eighth pixel, both ways
+/// for answer in &answers {
+///     println!("{}: {:?} of window depth end acne", answer.name(), answer.critical);
+/// }
+/// let [r8, float] = [0, 6].map(|i| answers[i].critical.expect("a bias that ends acne"));
+/// assert!(r8 > float, "8 bits need more bias");
+/// # Ok::<(), gnomon::Error>(())
+/// ```
 #[must_use]
 pub fn measure(field: &Field<'_>) -> Vec<FormatAnswer> {
     let case = field.case();

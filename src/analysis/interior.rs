@@ -62,7 +62,7 @@ pub fn counted(observer: &Observer<'_>, observations: &[Observation]) -> (Vec<bo
 /// What was found around some points.
 #[derive(Default)]
 struct Around {
-    /// Those all around which one object is seen first.
+    /// Points all around which one object is seen first.
     one_object: Vec<u32>,
     /// Places asked for.
     asked: u64,

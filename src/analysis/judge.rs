@@ -79,7 +79,7 @@ impl Observer<'_> {
         self.first_drawn(lens, uv).map_or(f64::INFINITY, |(_, p)| depth_in(lens, p))
     }
 
-    /// The same where `triangle` is known to be the first.
+    /// Judges where `triangle` is known to be the first.
     pub(super) fn depth_of(&self, lens: &Lens, triangle: u32, uv: DVec2) -> f64 {
         let [near, far] = lens.ray(uv);
         match self.tracer.hit_of(triangle, near, far) {
@@ -106,7 +106,7 @@ impl Observer<'_> {
         self.tracer.first_hit(near, far, faces, None)
     }
 
-    /// Whose surface a texel read by a tap holds, as seen by a receiver.
+    /// The owner of the surface that a texel read by a tap holds, as seen by a receiver.
     pub(super) fn stored_caster(&self, o: &Observation, tap: usize, texel: u32) -> StoredCaster {
         let caster = self.subject.map_raster.triangle[texel as usize];
         let map = o.taps.map(tap);
@@ -114,7 +114,7 @@ impl Observer<'_> {
         self.caster_of(o.receiver.triangle, &o.answer.truth, caster, texel, (map, rect))
     }
 
-    /// Whose surface the triangle `caster` is to a receiver on triangle `own`, stored in `texel` of a
+    /// The relation of the triangle `caster` to a receiver on triangle `own`, stored in `texel` of a
     /// map drawn into a rectangle.
     #[must_use]
     pub fn caster_of(
@@ -175,7 +175,7 @@ impl Observer<'_> {
         }
     }
 
-    /// Whose surface a tap's own verdict rests on, and whether its texel is sound.
+    /// The owner of the surface that a tap's own verdict rests on, and whether its texel is sound.
     #[must_use]
     pub fn tap_caster(&self, o: &Observation, tap: usize) -> (StoredCaster, bool) {
         let seen = Seen { observer: self, o, truly_lit: o.truly_lit() == Some(true) };

@@ -25,7 +25,7 @@ pub struct Samples {
     pub outside_cone: u64,
     /// Outside the map's volume.
     pub outside_map: u64,
-    /// Of those outside the map: the look-up says shadowed nevertheless.
+    /// Receivers outside the map that the look-up says are shadowed nevertheless.
     pub outside_map_shadowed: u64,
     /// Triangles that met a counted receiver itself.
     pub touching: u64,
@@ -106,11 +106,11 @@ pub struct ObjectTally {
     pub lit: u64,
     /// Truly shadowed.
     pub shadowed: u64,
-    /// Of the lit: wrong.
+    /// Truly lit receivers with a wrong verdict.
     pub false_shadow: u64,
-    /// Of the shadowed: wrong.
+    /// Truly shadowed receivers with a wrong verdict.
     pub false_light: u64,
-    /// Of the lit: wrong without any bias.
+    /// Truly lit receivers with a wrong verdict where there is no bias.
     pub false_shadow_without_bias: u64,
 }
 
@@ -172,7 +172,7 @@ impl InteriorTotal {
 pub struct ShadowInterior {
     /// Truly shadowed interior receivers, facing the light or away from it.
     pub receivers: u64,
-    /// Of them: lit, at least partly.
+    /// Truly shadowed interior receivers that are lit, at least partly.
     pub leaks: u64,
     /// Their share; `None` where there are none.
     pub leak_rate: Option<f64>,
@@ -232,7 +232,7 @@ pub struct Measurement {
     /// Σ max(N·L, 0)·|v − t| / Σ max(N·L, 0): what a white surface shows; `None` where nothing faces the
     /// light.
     pub seen: Option<f64>,
-    /// The same by kind: they add up to it.
+    /// What is seen of each kind; the kinds add up to `seen`.
     pub seen_by_kind: BTreeMap<Kind, f64>,
     /// Counts of wrong verdicts on each rung.
     pub wrong_on_rung: BTreeMap<Rung, u64>,

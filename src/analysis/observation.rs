@@ -10,7 +10,7 @@ use glam::DVec3;
 crate::catalogue! {
     /// Whether a receiver counts in the rates, and if not, why.
     pub enum Standing {
-        /// It counts.
+        /// The receiver counts.
         Counted = "counted",
         /// The truth cannot be decided in f64.
         Ambiguous = "ambiguous",
@@ -38,7 +38,7 @@ pub struct Observation {
     pub map: usize,
     /// Coordinates and depth in that map as the subject computes them.
     pub coord: [f32; 3],
-    /// The same, f64.
+    /// Exact map coordinates and depth, f64.
     pub exact: DVec3,
     /// Whether it counts.
     pub standing: Standing,
@@ -48,7 +48,7 @@ pub struct Observation {
     pub taps: Taps,
     /// Lit taps at the case's bias.
     pub lit_taps: usize,
-    /// Their share of the visibility, in [0,1].
+    /// Their share of the visibility, in [0, 1].
     pub lit_share: f64,
     /// Smallest bias that lights each tap.
     pub breakpoints: Few<f32>,
@@ -58,7 +58,7 @@ pub struct Observation {
     pub wrong: WrongRungs,
     /// The verdict's fault, if it counts and is wrong.
     pub outcome: Outcome,
-    /// Whose surface the deciding texel holds.
+    /// The owner of the surface that the deciding texel holds.
     pub caster: StoredCaster,
     /// The texel that decided.
     pub texel: u32,
@@ -73,7 +73,7 @@ impl Observation {
         (self.standing == Standing::Counted).then_some(self.answer.truth == Truth::Lit)
     }
 
-    /// Fractional visibility in [0,1].
+    /// Fractional visibility in [0, 1].
     #[must_use]
     pub const fn visibility(&self) -> f64 {
         self.lit_share

@@ -124,7 +124,7 @@ impl<'a> Observer<'a> {
         Self::with(case, device, Effort::default())
     }
 
-    /// The same, by a given effort.
+    /// An observer that works by a given effort.
     #[must_use]
     pub fn with(case: &'a Case, device: &Device, effort: Effort) -> Self {
         let (subject, (geometry, tracer, adjacency)) = rayon::join(

@@ -210,7 +210,7 @@ impl Grid {
 enum Centres {
     /// Looked up for each receiver.
     Asked,
-    /// Of each texel of a set, in its order.
+    /// Known for each texel of a set, in its order.
     Known { grid: Grid, texels: TexelSet, depths: Vec<f64> },
 }
 

@@ -38,7 +38,7 @@ pub fn read(path: &Path) -> Result<MeasuredDevice> {
     from_value(path, &json::read(path)?)
 }
 
-/// The same from the file's bytes; `path` names it in complaints.
+/// Profiles from the file's bytes; `path` names it in complaints.
 ///
 /// # Errors
 /// [`crate::Error::BadInput`] as [`read`].

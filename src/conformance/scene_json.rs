@@ -58,7 +58,7 @@ pub fn read(path: &Path) -> Result<SceneDump> {
     parse(path, &json::bytes(path)?)
 }
 
-/// The same from the file's bytes; `path` names it in complaints.
+/// Reads the scene from the file's bytes; `path` names it in complaints.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneDump> {
     let value = json::parse(path, bytes)?;
     let root = Field::root(path, &value);

@@ -84,7 +84,7 @@ pub struct Device {
     pub flush_denormals: bool,
     /// Whether a·b + c is contracted to one rounding in matrix products.
     pub fma: bool,
-    /// Whether `gl_FragCoord.z` is clamped to [0,1] before the shader sees it.
+    /// Whether `gl_FragCoord.z` is clamped to [0, 1] before the shader sees it.
     pub clamp_frag_z: bool,
     /// Norm of polygon offset's slope.
     pub slope_norm: SlopeNorm,

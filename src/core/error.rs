@@ -87,7 +87,7 @@ impl Error {
         )
     }
 
-    /// The same error, met after `what` had already been written.
+    /// This error, met after `what` had already been written.
     #[must_use]
     pub fn having_written(self, what: &str) -> Self {
         let what = printable(what);

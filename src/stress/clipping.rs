@@ -90,7 +90,7 @@ impl Spot {
         lit(map, &lookup(true, Wrap::Clamp), coord)
     }
 
-    /// The same where w ≤ 0 means outside the map.
+    /// Whether the look-up says lit where w ≤ 0 means outside the map.
     fn lit_guarded(&self, map: &ShadowMap, degrees: f64) -> bool {
         let window = self.lens.look(Self::around(degrees));
         window.is_none_or(|w| lit(map, &lookup(true, Wrap::Clamp), w.as_vec3().to_array()))

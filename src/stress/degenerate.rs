@@ -70,7 +70,7 @@ fn drawn(device: &Device, set: &Set) -> Raster {
     draw(device, &pass, &set.corners, &triangles)
 }
 
-/// What is wrong with the map of a set: NaN or depths outside [0,1], a count of empty triangles other
+/// What is wrong with the map of a set: NaN or depths outside [0, 1], a count of empty triangles other
 /// than expected, texels drawn by a triangle that should be empty, receivers before it not lit.
 fn faults(device: &Device, set: &Set) -> usize {
     let raster = drawn(device, set);

@@ -83,7 +83,7 @@ fn real_error(packing: Packing, z: f32) -> f64 {
     (packing.unpack_in(bytes.map(|k| k / 255.0)) - f64::from(z)).abs()
 }
 
-/// The same in the subject's f32 on a device.
+/// The round-trip error in the subject's f32 on a device.
 fn subject_error(device: &Device, packing: Packing, z: f32) -> f64 {
     let bytes = packing.pack(z).map(|c| device.store.code(device.flush(c), 255));
     let read = packing.unpack(bytes.map(|k| device.load.value(k, 255)));

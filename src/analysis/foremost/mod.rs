@@ -6,11 +6,11 @@
 //!
 //! # What is certain
 //! A ray is given by two world points on the near and the far plane. Both project to within
-//! [`SIDEWAYS`]/100 texels of the map point (measured on a lattice over the map when the planes are set
+//! `SIDEWAYS`/100 texels of the map point (measured on a lattice over the map when the planes are set
 //! up; else everything is open), and so does, w being positive between them, every point of the ray.
 //! Projected corners are off by far less. Hence a ray passes through a triangle if the map point lies
-//! inside its outline by more than [`SIDEWAYS`], and misses it if it lies outside by more. Window depth
-//! grows along the ray, so of two triangles the one whose plane is nearer by more than [`IN_DEPTH`] is
+//! inside its outline by more than `SIDEWAYS`, and misses it if it lies outside by more. Window depth
+//! grows along the ray, so of two triangles the one whose plane is nearer by more than `IN_DEPTH` is
 //! met first. Triangles whose plane is known less well than that (slivers) are taken to be anywhere
 //! between their corners' depths, and open every point of their box that they may be first at.
 //! A part before the near plane is clipped away (with a margin, inside of which points are open).

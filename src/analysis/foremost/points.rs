@@ -68,7 +68,7 @@ impl Points {
         sorted
     }
 
-    /// Which of the caller's points each is.
+    /// For each point, its place in the caller's list.
     #[must_use]
     pub fn index(&self) -> &[u32] {
         &self.index
@@ -207,7 +207,7 @@ fn meet(flat: &Flat, points: &Points, by: DVec2, at: usize, count: usize, states
     *lanes_mut(&mut states.id, at) = id;
 }
 
-/// The same of a triangle whose plane is not known: it may be met anywhere in its box.
+/// Looks at a triangle whose plane is not known: it may be met anywhere in its box.
 #[inline(always)]
 fn vague(flat: &Flat, points: &Points, by: DVec2, at: usize, count: usize, states: &mut States) {
     let (x, y) = (lanes(&points.x, at), lanes(&points.y, at));

@@ -107,7 +107,7 @@ impl Combination {
         [bytes, passes, fetches, operations, false_shadow, false_light, peter_panning]
     }
 
-    /// Both kinds together, as far as they are measured.
+    /// Share of wrong light of both kinds together, as far as they are measured.
     #[must_use]
     pub fn wrong(&self) -> f64 {
         self.errors.false_shadow.unwrap_or(0.0) + self.errors.false_light.unwrap_or(0.0)

@@ -47,7 +47,7 @@ pub(super) enum Digit {
     Of256,
     /// k/256 stretched by 256/255, and shrunk again by the weights.
     Stretched,
-    /// The same, but the leading digit enters as k·(1/255).
+    /// Digits whose leading one enters as k·(1/255).
     StretchedFromLead,
     /// k/255, a few ulps off.
     NearOf255,

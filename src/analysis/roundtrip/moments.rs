@@ -1,6 +1,6 @@
 //! VSM and EVSM, a first look: what the storage of moments costs.
 //!
-//! Variance is E[z²] − E[z]²: two stored numbers of size z² cancel, so each relative rounding of
+//! Variance is E(z²) − E(z)²: two stored numbers of size z² cancel, so each relative rounding of
 //! 2⁻ⁿ leaves about 2⁻ⁿz² of false variance on a flat surface, where the true one is 0. A floor at
 //! least as large is needed, or the surface shadows itself with full strength.
 

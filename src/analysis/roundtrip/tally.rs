@@ -115,7 +115,7 @@ impl<F: Raw> ErrorTally<F> {
 }
 
 impl<F: Raw> ErrorTally<F> {
-    /// The same statistics as f64.
+    /// These statistics as f64.
     #[must_use]
     pub fn widened(self) -> ErrorTally<f64> {
         let wide = |e: Extreme<F>| Extreme { error: e.error.into(), at: e.at };

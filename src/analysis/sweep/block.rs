@@ -95,7 +95,7 @@ impl Block {
         self.stored.len()
     }
 
-    /// Of a list over the comparisons, those of the receiver at a place; none where the range test
+    /// The entries of a list over the comparisons that belong to the receiver at a place; none where the range test
     /// lights it without a look-up.
     #[inline(always)]
     pub(super) fn of<'l, T>(&self, place: usize, all: &'l [T]) -> &'l [T] {

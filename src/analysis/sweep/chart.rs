@@ -61,7 +61,7 @@ pub struct Chart<'f, 'a> {
     pub(super) own: Drawn<'static>,
     /// What each receiver reads.
     pub(super) reads: Reads,
-    /// Whose surface each tap holds: 0 not asked yet, else 1 + its place in [`CASTERS`].
+    /// The owner of the surface that each tap holds: 0 not asked yet, else 1 + its place in [`CASTERS`].
     casters: Vec<AtomicU8>,
     /// Every fragment over these texels, once somebody asks.
     fragments: OnceLock<Fragments>,
@@ -122,7 +122,7 @@ impl<'f, 'a> Chart<'f, 'a> {
         }
     }
 
-    /// Whose surface a tap of a receiver reads without a bias; asked once.
+    /// The owner of the surface that a tap of a receiver reads without a bias; asked once.
     #[inline]
     pub(super) fn own_caster(&self, i: usize, tap: usize) -> StoredCaster {
         match self.casters[self.reads.range(i).start + tap].load(Relaxed) {

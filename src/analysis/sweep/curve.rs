@@ -9,7 +9,7 @@ use rayon::prelude::*;
 pub struct SweptCurve {
     /// Receivers by [`Kind`].
     kinds: [Steps; Kind::COUNT],
-    /// Of the taps of truly lit and of truly shadowed receivers; `None` while every look-up has one tap,
+    /// Shares of the taps of truly lit and of truly shadowed receivers; `None` while every look-up has one tap,
     /// whose share is all of it.
     shares: Option<[Shares; 2]>,
     /// Peter-panned receivers: from which amount on, and how far inside their true shadow.
@@ -19,7 +19,7 @@ pub struct SweptCurve {
 }
 
 impl SweptCurve {
-    /// Of look-ups with one tap each, or of any.
+    /// A curve without receivers, for look-ups with one tap each or with any number.
     #[must_use]
     pub fn new(single_taps: bool) -> Self {
         Self { shares: (!single_taps).then(Default::default), ..Self::default() }

@@ -41,7 +41,7 @@ impl Places<'_> {
         }
     }
 
-    /// Of a texel at a slot.
+    /// The place of the texel at a slot.
     #[inline]
     pub(super) fn of_slot(&self, slot: u32) -> usize {
         match self {

@@ -38,7 +38,7 @@ impl<'a> Field<'a> {
         Self::with(case, step, Effort::default())
     }
 
-    /// The same, by a given effort; so are the sweeps over them.
+    /// A field worked out by a given effort; so are the sweeps over them.
     #[must_use]
     pub fn with(case: &'a Case, step: u32, effort: Effort) -> Self {
         Self::over(Arc::new(Observer::with(case, &case.device.device(), effort)), step)
@@ -73,7 +73,7 @@ impl<'a> Field<'a> {
         Self { populations, observer, samples, receivers, moves: Moves::default() }
     }
 
-    /// The same receivers, each looking from where a recipe moves it under maps that lie as `layout` says;
+    /// These receivers, each looking from where a recipe moves it under maps that lie as `layout` says;
     /// those that would land behind the light stay.
     #[must_use]
     pub fn looking_from(&self, recipe: &Recipe, layout: &Layout) -> Self {
@@ -201,7 +201,7 @@ impl<'a> Field<'a> {
         if least < f32::MAX { least.into() } else { crate::num::exp2(-24) }
     }
 
-    /// Whose surface a stored triangle is to a receiver.
+    /// The relation of a stored triangle to a receiver.
     #[must_use]
     pub fn caster(
         &self,

@@ -40,7 +40,7 @@ impl std::str::FromStr for LengthLimit {
 /// A share such as `0.1%` or `0.001`.
 ///
 /// # Errors
-/// [`Error::BadInput`] unless it lies in [0,1].
+/// [`Error::BadInput`] unless it lies in [0, 1].
 pub fn share(text: &str) -> Result<f64> {
     let (number, scale) = match text.strip_suffix('%') {
         Some(number) => (number, 100.0),

@@ -18,7 +18,7 @@ pub struct Look {
     pub stored: f32,
     /// Share of the visibility in 2⁻⁴⁰.
     pub share: i64,
-    /// Whose surface is stored.
+    /// The owner of the stored surface.
     pub caster: StoredCaster,
     /// Whether the depth read is the one drawn: [`crate::analysis::verdict::is_sound`].
     pub sound: bool,

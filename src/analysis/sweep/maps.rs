@@ -15,7 +15,7 @@ use crate::view::ClipSpace;
 use glam::{DVec3, Vec4};
 use std::borrow::Cow;
 
-/// Whose surface a tap holds, given receiver, tap and texel, and how far the bias moved it.
+/// The owner of the surface that a tap holds, given receiver, tap and texel, and how far the bias moved it.
 pub(super) type Surface<'s> = dyn Fn(usize, usize, u32) -> (StoredCaster, f64) + Sync + 's;
 
 impl Chart<'_, '_> {

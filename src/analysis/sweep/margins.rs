@@ -36,7 +36,7 @@ impl Chart<'_, '_> {
 struct Run<'r> {
     chart: &'r Chart<'r, 'r>,
     store: &'r Store<'r>,
-    /// Whose surface a tap holds, where the recipe changes the map.
+    /// The owner of the surface that a tap holds, where the recipe changes the map.
     moved: Option<&'r Surface<'r>>,
     follow: Follow,
     taps: &'r Taps,
@@ -57,7 +57,7 @@ impl Run<'_> {
         let mut turns = vec![0.0; block.len()];
         let rule = chart.field.case().lookup.compare;
         block.margins(bound).breakpoints(level, rule, &mut turns);
-        // Nobody asks for those of the lit: any gap whose neighbours are quick to multiply will do.
+        // Gaps of lit receivers are never asked for: any number whose neighbours are quick to multiply will do.
         let gap = |i: usize| if receivers.lit[i] { 1.0 } else { receivers.gap[i] };
         let gaps: Vec<f64> = which.iter().map(|&i| gap(i as usize)).collect();
         let weights: Vec<f32> = which.iter().map(|&i| weight(i as usize)).collect();
@@ -98,7 +98,7 @@ impl Here<'_> {
         self.run.chart.reads.footprint(self.receiver)
     }
 
-    /// Whose surface a tap holds, and how far it was moved.
+    /// The owner of the surface that a tap holds, and how far it was moved.
     #[inline(never)]
     fn ask(&self, surface: &Surface<'_>, tap: usize) -> (StoredCaster, f64) {
         surface(self.receiver, tap, self.footprint().texels[tap])

@@ -57,11 +57,11 @@ pub use swept::{Point, Swept};
 pub struct CaseSweep {
     /// The case's name.
     pub name: String,
-    /// Its own format, which its own bias was chosen for.
+    /// The case's own format, which its bias was chosen for.
     pub own_format: &'static str,
-    /// Its own map size.
+    /// The case's own map size.
     pub own_size: u32,
-    /// Its own bias, window depth.
+    /// The case's own bias, window depth.
     pub own_bias: f32,
     /// World units per unit of window depth at the middle receiver.
     pub world_per_window: f64,

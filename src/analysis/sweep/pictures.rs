@@ -33,7 +33,7 @@ struct Shown {
 }
 
 impl<'f, 'a> Gallery<'f, 'a> {
-    /// Of a field sampled at every `step`-th pixel, under the case's own map size and filter.
+    /// The gallery of a field sampled at every `step`-th pixel, under the case's own map size and filter.
     #[must_use]
     pub fn new(field: &'f Field<'a>, format: TexelFormat, step: u32) -> Self {
         let case = field.case();

@@ -60,7 +60,7 @@ impl Range {
         (0..self.count).map(|i| at(i) as f32).collect()
     }
 
-    /// The same number of values between other ends.
+    /// As many values between other ends.
     #[must_use]
     pub const fn between(&self, low: f64, high: f64) -> Self {
         Self { low, high, log: true, count: self.count }

@@ -24,7 +24,7 @@ pub(super) struct Glance<'g> {
 }
 
 impl Chart<'_, '_> {
-    /// All comparisons without a bias under reversed depth (1 at near, 0 at far, clip z in [0,1]): the
+    /// All comparisons without a bias under reversed depth (1 at near, 0 at far, clip z in [0, 1]): the
     /// same coverage, depths of the reversed f32 matrix, both sides negated so that the case's rule holds.
     #[must_use]
     pub fn looks_reversed(&self, texel: TexelFormat) -> Vec<Looks> {
@@ -89,7 +89,7 @@ impl Chart<'_, '_> {
         })
     }
 
-    /// Whose surface a triangle is that tap `tap` of receiver `i` finds in a texel: known where both are
+    /// The owner of the surface that tap `tap` of receiver `i` finds in a texel: known where both are
     /// those that it finds without a bias.
     pub(super) fn caster(&self, i: usize, tap: usize, triangle: u32, texel: u32) -> StoredCaster {
         let own = self.reads.slots(i).get(tap).map(|&slot| slot as usize);

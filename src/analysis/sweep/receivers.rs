@@ -22,7 +22,7 @@ pub struct Sample {
     pub map: usize,
     /// Its coordinates there.
     pub coord: [f32; 3],
-    /// The same, f64.
+    /// Exact map coordinates and depth, f64.
     pub exact: DVec3,
     /// What it truly sees.
     pub answer: Answer,

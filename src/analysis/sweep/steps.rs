@@ -112,9 +112,9 @@ fn retreat(list: &mut &[f32], at: f32) -> i64 {
 /// Shares of visibility, in 2⁻⁴⁰, by the amount from which their taps are lit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Shares {
-    /// Of taps that are lit from the start.
+    /// Share of the taps that are lit from the start.
     base: i64,
-    /// Of all taps together.
+    /// Share of all taps together.
     pub(super) all: i64,
     /// Where the others are lit.
     pub(super) at: Vec<f32>,

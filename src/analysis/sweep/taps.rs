@@ -19,14 +19,14 @@ pub struct Taps {
 /// Window depth per unit of the amount.
 #[derive(Debug)]
 enum Weight {
-    /// Of all receivers.
+    /// One weight for all receivers.
     Common(f32),
-    /// Of each.
+    /// A weight for each receiver.
     Own(Vec<f32>),
 }
 
 impl Taps {
-    /// Of a strategy with one tap-side parameter, in a format of a chart.
+    /// The taps of a strategy with one tap-side parameter, in a format of a chart.
     #[must_use]
     pub fn on(chart: &Chart<'_, '_>, format: TexelFormat, strategy: Strategy) -> Self {
         let (weight, bound) = Weights::default().of(strategy);

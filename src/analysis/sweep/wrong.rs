@@ -81,7 +81,7 @@ impl Chart<'_, '_> {
         })
     }
 
-    /// Of receivers that a recipe moves: each looks once for all formats.
+    /// Wrong verdicts of receivers that a recipe moves; each looks once for all formats.
     fn wrong_moved(
         &self,
         verdicts: &[Verdicts<'_>],
@@ -118,7 +118,7 @@ impl Chart<'_, '_> {
     }
 }
 
-/// Tells of most moved receivers that they are right by the depths drawn alone: what a format stores lies
+/// A test by the depths drawn alone, which most moved receivers pass as right: what a format stores lies
 /// within its error of them, and every rule is monotone in the stored depth.
 struct Screen<'v> {
     spec: &'v LookupSpec,
@@ -161,7 +161,7 @@ struct Screened {
 }
 
 impl Screened {
-    /// Those of some receivers with a comparison that does not say what is true, or without any.
+    /// The receivers among some that have a comparison that does not say what is true, or none at all.
     fn suspects(&mut self, verdicts: &Verdicts<'_>, which: &[u32]) -> Vec<u32> {
         let Verdicts { chart, recipe, store, .. } = verdicts;
         let (receivers, spec) = (&chart.field.receivers, &chart.field.case().lookup);
@@ -180,7 +180,7 @@ impl Screened {
 }
 
 impl Verdicts<'_> {
-    /// Of receivers that look from where they are.
+    /// Wrong verdicts of receivers that look from where they are.
     fn in_place(&self, which: &[u32]) -> Vec<Wrong> {
         let follows = self.recipe.follow != Follow::Receiver;
         let mut footprints = Footprints::new(self.chart.sampling, true);
@@ -269,7 +269,7 @@ impl<M> Seen<'_, M> {
         deciding_in_a_mix(*lit, footprint.texels.len(), depth)
     }
 
-    /// Whose surface a part holds, and how far the bias moved it.
+    /// The owner of the surface that a part holds, and how far the bias moved it.
     fn surface(&self, part: usize) -> (StoredCaster, f64) {
         let tap = self.tap(part);
         if let Some((_, surface)) = self.found.get().filter(|found| found.0 == tap) {

@@ -31,7 +31,7 @@ pub(super) fn artifacts(rows: &[(String, Tally)], populations: [u64; 2]) -> Tabl
     table
 }
 
-/// The same bias in every unit and engine at the middle receiver, and the parameters that are left out,
+/// One bias in every unit and engine at the middle receiver, and the parameters that are left out,
 /// since they are known to be wrong here or their engine does not keep such a value.
 pub(super) fn units(place: &Place, bias: f64, setting: &Setting) -> (Table, Vec<String>) {
     let mut table = Table::new("units", "The same lift at the middle receiver in other units; a normal offset is worth it there only.")

@@ -28,7 +28,7 @@ fn weight(cosine: f64) -> i128 {
 pub struct Counted {
     /// Receivers.
     receivers: u64,
-    /// Of them with any wrong share.
+    /// Receivers with any wrong share.
     wrong: u64,
     /// Σ max(N·L, 0).
     cosines: i128,

@@ -33,7 +33,7 @@ pub const WHOLE: i64 = SHARE as i64;
 /// What a look-up of one receiver read, part by part: taps that are compared, or one part whose visibility
 /// has a closed form (moments). Questions are asked only where a verdict turns on the answer.
 pub trait Held {
-    /// Whose surface a part rests on.
+    /// The owner of the surface that a part rests on.
     fn caster(&self, part: usize) -> StoredCaster;
     /// Whether the depth that it read is the one drawn: [`is_sound`].
     fn is_sound(&self, part: usize) -> bool;

@@ -1,10 +1,9 @@
 //! The order in which the parts of a look-up name its error: at one bias, and along all of them.
 
-use std::iter::once;
-
-/// The parts in the order in which they name an error: the middle one, then the others.
+/// The parts in the order in which they name an error: the middle one, then the others; none where there
+/// are none.
 pub fn order(centre: usize, parts: usize) -> impl Iterator<Item = usize> {
-    once(centre).chain((0..parts).filter(move |&part| part != centre))
+    (parts > 0).then_some(centre).into_iter().chain((0..parts).filter(move |&part| part != centre))
 }
 
 /// The part that names an error: the first wrong one in [`order`].
@@ -50,4 +49,17 @@ pub fn spans(
         }
     }
     end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_part_is_first_and_a_look_up_without_parts_has_none() {
+        assert_eq!(order(4, 9).collect::<Vec<_>>(), [4, 0, 1, 2, 3, 5, 6, 7, 8]);
+        assert_eq!(order(0, 1).count(), 1);
+        assert_eq!(order(0, 0).count(), 0);
+        assert_eq!(deciding(0, 0, |_| true), None);
+    }
 }

@@ -39,7 +39,7 @@ impl DepthFormat {
         }
     }
 
-    /// Nearest code of a window depth, clamped to [0,1] (NaN stores 0). Codes are monotone in the
+    /// Nearest code of a window depth, clamped to [0, 1] (NaN stores 0). Codes are monotone in the
     /// depth: integers for UNORM, the bit pattern for floats.
     #[must_use]
     pub fn encode(self, depth: f32) -> u32 {
@@ -92,7 +92,7 @@ impl DepthFormat {
         }
     }
 
-    /// Spacing of the format's values at `depth` ∈ [0,1], in window depth.
+    /// Spacing of the format's values at `depth` ∈ [0, 1], in window depth.
     #[must_use]
     pub fn quantum(self, depth: f32) -> f64 {
         match (self, self.unorm_max()) {

@@ -79,7 +79,7 @@ crate::catalogue! {
     }
 }
 
-/// One rounding of f32(255·x), clamped to [0,255], to a byte.
+/// One rounding of f32(255·x), clamped to [0, 255], to a byte.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ByteRounding {
     /// To nearest, ties to even.

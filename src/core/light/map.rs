@@ -191,7 +191,7 @@ impl Lens {
         Self::new(&map, self.size)
     }
 
-    /// Map coordinates u, v in [0,1] and compared depth of a world point. f64; `None` behind the eye
+    /// Map coordinates u, v in [0, 1] and compared depth of a world point. f64; `None` behind the eye
     /// (w ≤ 0).
     #[must_use]
     pub fn look(&self, p_world: DVec3) -> Option<DVec3> {

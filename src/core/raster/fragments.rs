@@ -115,7 +115,7 @@ impl Fragments {
         plane.at(x, y)
     }
 
-    /// Of each slot the nearest surface over its texel and the second nearest, as the pass' depth test
+    /// For each slot, the nearest surface over its texel and the second nearest, as the pass' depth test
     /// would meet them: of equal codes the first drawn wins. Bit for bit what [`super::draw`] writes.
     /// `found` is called with the place in `slots`.
     pub fn resolve(

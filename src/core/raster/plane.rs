@@ -242,7 +242,7 @@ impl Interpolator {
         }
     }
 
-    /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0,1].
+    /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0, 1].
     #[must_use]
     pub fn barycentrics(&self, px: u32, py: u32) -> DVec3 {
         triangle::barycentrics(&self.homogeneous, f64::from(px), f64::from(py))

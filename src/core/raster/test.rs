@@ -7,7 +7,7 @@ use crate::simd::lanes::BATCH;
 
 /// How fragments' depths become the codes that the depth test compares.
 pub(super) trait Test: Copy {
-    /// Whether depths are clamped to [0,1] before they are kept.
+    /// Whether depths are clamped to [0, 1] before they are kept.
     fn clamps(&self) -> bool;
 
     /// The codes of depths that are kept: what `DepthFormat::encode_with` makes of each.
@@ -38,7 +38,7 @@ pub(super) struct DepthTest {
     store: UnormStore,
     /// Subnormal depths become 0.
     flush: bool,
-    /// Depths are clamped to [0,1] before they are kept.
+    /// Depths are clamped to [0, 1] before they are kept.
     clamp: bool,
 }
 
@@ -54,13 +54,13 @@ impl DepthTest {
         Self { format, store: device.store, flush, clamp: device.clamp_frag_z }
     }
 
-    /// The same test without a rounding, if it has none.
+    /// This test without a rounding, if it has none.
     pub(super) fn plain(self) -> Option<PlainTest> {
         let plain = self.format == DepthFormat::F32 && !self.flush;
         plain.then_some(PlainTest { clamp: self.clamp })
     }
 
-    /// The codes of depths in [0,1].
+    /// The codes of depths in [0, 1].
     #[inline(never)]
     fn rounded(&self, mut z: [f32; BATCH]) -> [u32; BATCH] {
         let least = if self.flush { f32::MIN_POSITIVE } else { 0.0 };
@@ -127,7 +127,7 @@ impl<T: Test> Test for Turned<T> {
     }
 }
 
-/// Depths within [0,1] and without a sign: NaN and what lies below 0 become 0.
+/// Depths within [0, 1] and without a sign: NaN and what lies below 0 become 0.
 #[inline(always)]
 fn saturated(z: [f32; BATCH]) -> [f32; BATCH] {
     let mut z = positive(z);
@@ -155,14 +155,14 @@ fn each(z: [f32; BATCH], code: impl Fn(f32) -> u32) -> [u32; BATCH] {
     codes
 }
 
-/// [`f32::clamp`] to [0,1], which keeps NaN and −0.
+/// [`f32::clamp`] to [0, 1], which keeps NaN and −0.
 #[inline(always)]
 fn clamp(z: f32) -> f32 {
     let z = if z < 0.0 { 0.0 } else { z };
     if z > 1.0 { 1.0 } else { z }
 }
 
-/// [`UnormStore::code`] of depths in [0,1] without a branch.
+/// [`UnormStore::code`] of depths in [0, 1] without a branch.
 #[inline(always)]
 fn unorm(store: UnormStore, z: [f32; BATCH], max: u32) -> [u32; BATCH] {
     let (wide, narrow) = (f64::from(max), max as f32);

@@ -111,7 +111,7 @@ impl Projected {
         DMat3::from_cols(r1.cross(r2), r2.cross(r0), r0.cross(r1)) * (1.0 / determinant)
     }
 
-    /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0,1].
+    /// Barycentric coordinates of a pixel centre on the triangle in space, f64, in [0, 1].
     pub(super) fn barycentrics(&self, px: f64, py: f64) -> DVec3 {
         barycentrics(&self.homogeneous(), px, py)
     }

@@ -17,7 +17,7 @@ crate::catalogue! {
         World = "world",
         /// Projection·(view·world), and a bias matrix in front for the light (document 003).
         BiasMatrix = "bias-matrix",
-        /// The same with document 003's bias matrix as printed: its third column repeats the second.
+        /// The chain with document 003's bias matrix as printed: its third column repeats the second.
         BiasMatrixAsPrinted = "bias-matrix-as-printed",
     }
 }
@@ -53,7 +53,7 @@ pub enum Matrices {
         cam_p: Mat4,
         /// View of the camera from world.
         cam_v: Mat4,
-        /// [0,1] of the map from world.
+        /// [0, 1] of the map from world.
         texture: Mat4,
     },
     /// Of [`MatrixChain::BiasMatrix`] and its misprint.
@@ -66,7 +66,7 @@ pub enum Matrices {
         cam_p: Mat4,
         /// View of the camera from world.
         cam_v: Mat4,
-        /// Constant in the shader: [0,1] from normalised device coordinates.
+        /// Constant in the shader: [0, 1] from normalised device coordinates.
         bias: Mat4,
     },
 }
@@ -90,7 +90,7 @@ impl Stages {
     }
 }
 
-/// ½ scale and ½ offset: NDC → [0,1]. `z` is the third column.
+/// ½ scale and ½ offset: NDC → [0, 1]. `z` is the third column.
 fn bias_matrix(z: Vec4, range: ClipRange) -> Mat4 {
     let x = Vec4::new(0.5, 0.0, 0.0, 0.0);
     let y = Vec4::new(0.0, 0.5, 0.0, 0.0);
@@ -101,7 +101,7 @@ fn bias_matrix(z: Vec4, range: ClipRange) -> Mat4 {
     Mat4::from_cols(x, y, z, Vec4::new(0.5, 0.5, half, 1.0))
 }
 
-/// A depth that is in [0,1] already stays.
+/// A depth that is in [0, 1] already stays.
 fn sound_bias_matrix(range: ClipRange) -> Mat4 {
     let scale = match range {
         ClipRange::MinusOneToOne => 0.5,

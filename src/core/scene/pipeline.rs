@@ -79,7 +79,7 @@ impl CompareRule {
         exact as f32
     }
 
-    /// The same rule on exact values (f64 operands whose sums round far below the depths' ulps).
+    /// This rule on exact values (f64 operands whose sums round far below the depths' ulps).
     #[must_use]
     pub fn is_lit_exact(self, z: f64, stored: f64, bias: f64) -> bool {
         match self {
@@ -166,7 +166,7 @@ impl Filter {
 }
 
 crate::catalogue! {
-    /// What happens to coordinates outside [0,1].
+    /// What happens to coordinates outside [0, 1].
     pub enum Wrap {
         /// The border texel goes on for ever.
         Clamp = "clamp-to-edge",
@@ -195,7 +195,7 @@ pub struct MapSpec {
     pub size: u32,
     /// What a texel holds.
     pub texel: TexelFormat,
-    /// Clear colour of a packed map in [0,1] (depth textures clear to 1, reversed ones to 0).
+    /// Clear colour of a packed map in [0, 1] (depth textures clear to 1, reversed ones to 0).
     pub clear: [f32; 4],
     /// The pass' depth attachment.
     pub depth_buffer: DepthBuffer,
@@ -204,7 +204,7 @@ pub struct MapSpec {
 }
 
 impl MapSpec {
-    /// The same map with another size and format. A packing keeps the clear colour of a packing, others
+    /// This map with another size and format. A packing keeps the clear colour of a packing, others
     /// clear to white; a depth texture is its own depth attachment.
     #[must_use]
     pub fn with(&self, size: u32, texel: TexelFormat) -> Self {

@@ -9,7 +9,7 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Counter-clockwise triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// A colour for each vertex, or one for all; linear RGB in [0,1].
+    /// A colour for each vertex, or one for all; linear RGB in [0, 1].
     pub colours: Vec<Vec3>,
     /// Whether shading interpolates normals across shared vertices.
     pub smooth: bool,

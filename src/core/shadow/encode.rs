@@ -135,7 +135,7 @@ fn least(flush: bool) -> f32 {
     if flush { f32::MIN_POSITIVE } else { 0.0 }
 }
 
-/// A depth in [0,1]: NaN and what lies below `least` is 0.
+/// A depth in [0, 1]: NaN and what lies below `least` is 0.
 #[inline(always)]
 fn clamped(z: f32, least: f32) -> f32 {
     let z = if z >= least { z } else { 0.0 };
@@ -155,7 +155,7 @@ fn floor(x: f64) -> f64 {
     if near > x { near - 1.0 } else { near }
 }
 
-/// The code of a depth in [0,1], as [`UnormStore::code`] gives it (`STORE` counts its members).
+/// The code of a depth in [0, 1], as [`UnormStore::code`] gives it (`STORE` counts its members).
 #[inline(always)]
 fn code<const STORE: u8>(z: f32, max: u32, largest: f64) -> f64 {
     let product = f64::from(z * max as f32);
@@ -188,7 +188,7 @@ fn unorm<const STORE: u8>(depth: &[f32], out: &mut [f32], least: f32, max: u32, 
     }
 }
 
-/// The byte of a channel in [0,1] in f32 alone: the sum with 2²³ has a last place of 1, and a fused
+/// The byte of a channel in [0, 1] in f32 alone: the sum with 2²³ has a last place of 1, and a fused
 /// product is not rounded before.
 #[inline(always)]
 fn byte<const STORE: u8>(x: f32, has_fma: bool) -> u32 {

@@ -91,7 +91,7 @@ impl Taps {
         (!self.weights.is_empty()).then_some(&self.weights)
     }
 
-    /// Fractional visibility in [0,1] of a look-up whose tap `i` is lit where `is_lit(i)`.
+    /// Fractional visibility in [0, 1] of a look-up whose tap `i` is lit where `is_lit(i)`.
     #[must_use]
     pub fn visibility(&self, is_lit: impl Fn(usize) -> bool) -> f64 {
         let lit = (0..self.depths.len()).filter(|&i| is_lit(i));

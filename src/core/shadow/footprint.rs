@@ -65,7 +65,7 @@ pub struct Footprints {
     mixed: Vec<Mix>,
 }
 
-/// Of `count` taps the one in the middle, or the heaviest (the first of equals) where shares differ.
+/// The tap in the middle of `count`, or the heaviest (the first of equals) where shares differ.
 pub(super) fn centre(count: usize, weighted: bool, weight: impl Fn(usize) -> f64) -> usize {
     let heaviest = |best: usize, i: usize| if weight(i) > weight(best) { i } else { best };
     if weighted { (0..count).fold(0, heaviest) } else { count / 2 }

@@ -7,7 +7,7 @@ use crate::scene::{CompareRule, LookupSpec};
 
 /// Number of lit taps of a receiver; all of them where the range test says *outside* of its one look-up.
 ///
-/// The share `lit / taps` is the fractional visibility v ∈ [0,1].
+/// The share `lit / taps` is the fractional visibility v ∈ [0, 1].
 #[must_use]
 pub fn visibility(spec: &LookupSpec, lookups: &[Lookup], taps: &Taps, bias: f32) -> usize {
     let count = taps.depths().len();

@@ -54,7 +54,7 @@ impl Memory {
 pub struct Drawn<'a> {
     /// Window depths; where nothing was drawn 1, or 0 under reversed depth.
     pub depth: &'a [f32],
-    /// Triangles, or [`NO_TRIANGLE`](crate::scene::NO_TRIANGLE).
+    /// Triangles, or [`NO_TRIANGLE`].
     pub triangle: &'a [u32],
 }
 

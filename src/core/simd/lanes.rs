@@ -15,7 +15,7 @@ pub const BATCH: usize = 8;
 pub struct Lanes(pub [f64; BATCH]);
 
 impl Lanes {
-    /// The same number eight times.
+    /// One number eight times.
     #[inline(always)]
     #[must_use]
     pub fn splat(x: f64) -> Self {

@@ -6,10 +6,10 @@
 //!
 //! # What is certain
 //! A triangle *meets* a segment by its closed set. Signs of 3x3 determinants on the given f64
-//! coordinates are exact ([`orient`]), so meeting is known, not estimated. Where the segment passes
+//! coordinates are exact (`orient`), so meeting is known, not estimated. Where the segment passes
 //! through the inside of a triangle, every neighbouring segment is blocked as well. Where it passes
 //! through an edge or a vertex, the triangles that meet there are looked at together
-//! ([`cover`]): if they close the full turn around the segment (two triangles on both sides of an
+//! (`cover`): if they close the full turn around the segment (two triangles on both sides of an
 //! edge, a whole fan around a vertex), every neighbouring segment is blocked and the verdict is
 //! *shadowed*; if not, the segment grazes a silhouette and the verdict is *ambiguous*. So a closed
 //! mesh never leaks, and nothing is ever guessed. A triangle without area casts no shadow.
@@ -106,7 +106,7 @@ pub enum FirstHit {
 crate::catalogue! {
     /// Which sides of a triangle count, as seen from the start of the segment.
     pub enum Faces {
-        /// Both sides.
+        /// Triangles seen from either side.
         Both = "both",
         /// Only triangles seen counter-clockwise.
         Front = "front",

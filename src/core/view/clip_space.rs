@@ -34,7 +34,7 @@ impl Default for ClipRange {
 
 /// How a projection writes depth and y.
 ///
-/// Window depth is always in [0,1]: 0 at near and 1 at far, or the other way round where it is reversed.
+/// Window depth is always in [0, 1]: 0 at near and 1 at far, or the other way round where it is reversed.
 /// *Compared* depth grows away from the light in either case: it is window depth, or its negative where
 /// depth is reversed, so that every rule, margin and breakpoint reads the same. Negation is exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -26,7 +26,7 @@ pub struct ShaderPair {
     /// GLSL ES, good for 1.00 and 3.00: `vec4 pack(float z)` and `float unpack(vec4 c)`, without
     /// precisions, so that the default precision of the run holds.
     pub glsl: String,
-    /// The same in WGSL: `fn pack(z: f32) -> vec4f` and `fn unpack(c: vec4f) -> f32`.
+    /// The pair in WGSL: `fn pack(z: f32) -> vec4f` and `fn unpack(c: vec4f) -> f32`.
     pub wgsl: String,
     /// Predictions, of any number of devices.
     pub predicted: Vec<Predicted>,
@@ -35,7 +35,7 @@ pub struct ShaderPair {
 /// A prediction shown beside the measurement.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Predicted {
-    /// Whose arithmetic, store and sampler.
+    /// The machine whose arithmetic, store and sampler are predicted.
     pub on: String,
     /// `highp` or `mediump`: the run that it stands beside.
     pub precision: &'static str,

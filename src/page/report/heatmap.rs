@@ -41,7 +41,7 @@ pub(super) struct Shade {
 }
 
 impl HeatMap {
-    /// The same numbers as a table with a row label in front.
+    /// These numbers as a table with a row label in front.
     #[must_use]
     pub fn to_table(&self) -> Table {
         let mut table = Table::new(self.id.clone(), self.caption.clone());

@@ -35,7 +35,7 @@ pub use write::Written;
 gnomon_core::catalogue! {
     /// How much of the work was done.
     pub enum Profile {
-        /// The same cases and parameters on every fourth pixel in x and y.
+        /// All cases and parameters on every fourth pixel in x and y.
         Quick = "quick",
         /// Every pixel.
         Full = "full",
@@ -85,7 +85,7 @@ pub struct Report {
     pub warnings: Vec<Warning>,
     /// Plots as SVG files alone, without a PNG each: for reports of many plots.
     pub vectors_only: bool,
-    /// Of what nothing was measured, why, and what to change: a sentence each, without its full stop.
+    /// What nothing was measured of, why, and what to change: a sentence each, without its full stop.
     pub unmeasured: Vec<String>,
 }
 
@@ -193,13 +193,13 @@ impl Section {
         Self { id, title, lead, ..Self::default() }
     }
 
-    /// The same section under another name in the contents.
+    /// This section under another name in the contents.
     #[must_use]
     pub fn called(self, nav: impl Into<String>) -> Self {
         Self { nav: nav.into(), ..self }
     }
 
-    /// The same section, closed until opened.
+    /// This section, closed until opened.
     #[must_use]
     pub fn folded(self) -> Self {
         Self { folded: true, ..self }

@@ -3,7 +3,7 @@
 use super::{Number, Shader};
 use std::ops::{Add, Div, Mul, Sub};
 
-/// The same bits as plain f32 in a packing of depths from 2⁻⁶⁴ to 1, for loops that have `fma`.
+/// Arithmetic with the bits of plain f32 in a packing of depths from 2⁻⁶⁴ to 1, for loops that have `fma`.
 ///
 /// - `fract` needs no clamp: packings take it of a depth times a positive constant, and x − ⌊x⌋ is
 ///   exact and below one for every x ≥ 0 (Sterbenz). Only a negative x could round to one.

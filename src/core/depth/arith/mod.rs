@@ -102,7 +102,7 @@ pub trait Number:
 pub trait Shader: Number {
     /// The floats of the texture unit: f32, or f64 beside real values.
     type Raw: Raw;
-    /// The same results on depths of [2⁻⁶⁴, 1] in fewer instructions, where the machine has `fma`.
+    /// Arithmetic with these results on depths of [2⁻⁶⁴, 1] in fewer instructions, where the machine has `fma`.
     type Wide: Shader<Raw = Self::Raw>;
     /// An input or a sampled channel enters, rounded to the arithmetic.
     fn enter(raw: Self::Raw) -> Self;
@@ -153,10 +153,10 @@ pub trait Raw:
     fn from_depth(z: f32) -> Self;
     /// From f64, rounded once.
     fn from_real(x: f64) -> Self;
-    /// x·255 clamped to [0,255] (NaN gives 0), rounded to nearest, ties to even.
+    /// x·255 clamped to [0, 255] (NaN gives 0), rounded to nearest, ties to even.
     #[must_use]
     fn byte_even(self) -> Self;
-    /// x·255 clamped to [0,255] (NaN gives 0), plus `half`, rounded down.
+    /// x·255 clamped to [0, 255] (NaN gives 0), plus `half`, rounded down.
     #[must_use]
     fn byte_floor(self, half: Self) -> Self;
     /// fl(self·a) + fl(self·b), rounded; with `fused`, fl(self·a + fl(self·b)).

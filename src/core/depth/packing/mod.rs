@@ -52,7 +52,7 @@ crate::catalogue! {
         Aras2007 = "aras-2007",
         /// Base 255, R most significant (Aras Pranckevičius, July 2009).
         Aras2009 = "aras-2009",
-        /// The same with the miscopied scale 160581375.
+        /// Base 255, unmasked, with the miscopied scale 160581375.
         Aras160581375 = "aras-160581375",
         /// Base 255, all four channels masked (Unity EncodeFloatRGBA).
         UnityRgba = "unity-rgba",

@@ -29,7 +29,7 @@ impl Weights {
         weights.with_step(step)
     }
 
-    /// The same at another quantum of the format.
+    /// The bias at another quantum of the format.
     #[must_use]
     pub fn with_step(self, step: f64) -> Self {
         Self { step: finite(step), ..self }

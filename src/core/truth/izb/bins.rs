@@ -137,7 +137,7 @@ pub(super) struct Bins {
     pub(super) groups: Vec<Group>,
     /// The smallest depth in each block, its farthest receiver, less its margin.
     pub(super) farthest: Vec<f32>,
-    /// Of each place the index of the receiver in the caller's slice.
+    /// For each place, the index of the receiver in the caller's slice.
     pub(super) index: Vec<u32>,
 }
 

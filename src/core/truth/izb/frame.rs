@@ -134,7 +134,7 @@ impl Frame {
         (0..members.len().div_ceil(RUN)).into_par_iter().map(one).reduce(nothing, join)
     }
 
-    /// The same frame with a grid of `cells * cells` over the box of its receivers.
+    /// This frame with a grid of `cells * cells` over the box of its receivers.
     pub(super) fn with_grid(&self, [low, high]: [DVec3; 2], cells: usize) -> Self {
         let size = (high - low).max(DVec3::splat(1e-5));
         // A little less than the whole grid, so that rounding stays inside.

@@ -11,7 +11,7 @@ const SAMPLE: usize = 1 << 14;
 pub(super) enum Members<'a> {
     /// All of so many.
     All(usize),
-    /// Those with these indices.
+    /// The members with these indices.
     Some(&'a [u32]),
 }
 

@@ -8,7 +8,7 @@
 //! # Why the answers are those of the rays
 //! A receiver's position and a triangle's planes are rounded to f32 and tested with a proven bound
 //! of all roundings. Certain misses are dropped. Certain hits, and whatever the bound leaves open,
-//! go to the very functions that a [`Tracer`](super::Tracer) calls on the same f64 inputs (hits once
+//! go to the very functions that a [`Tracer`] calls on the same f64 inputs (hits once
 //! all are known, as far as they may be at an end), and the occluders are picked by the same order.
 //! Skipped are only triangles with no receiver in their rows and columns, triangles farther from the
 //! light than all receivers there, and hits that lie, by more than their bounds, between others.

@@ -191,7 +191,7 @@ impl Chunk<'_> {
         }
     }
 
-    /// Those of a block's receivers that the triangle may shadow or touch.
+    /// The receivers of a block that the triangle may shadow or touch.
     #[inline(always)]
     fn candidates(
         &mut self,
@@ -307,7 +307,7 @@ impl Tests {
     }
 }
 
-/// Of each number of lanes, 1 in the lanes below it. A table: comparing lanes with numbers compiles to
+/// For each number of lanes, 1 in the lanes below it. A table: comparing lanes with numbers compiles to
 /// more than a load.
 static BELOW: [[u32; LANES]; LANES + 1] = {
     let mut below = [[0; LANES]; LANES + 1];

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-/// The same picture in fewer bytes.
+/// This picture in fewer bytes.
 pub(super) fn compact(svg: &str) -> String {
     let mut out = String::with_capacity(svg.len() / 2);
     let mut open = String::new();

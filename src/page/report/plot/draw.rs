@@ -264,7 +264,7 @@ fn steps(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
     corners.chain(run.last().copied()).collect()
 }
 
-/// The same line with at most four points a pixel column: first, lowest, highest, last.
+/// This line with at most four points a pixel column: first, lowest, highest, last.
 fn thinned(run: &[(f64, f64)], pitch: f64) -> Vec<(f64, f64)> {
     let column = |p: &(f64, f64)| (p.0 / pitch).floor();
     let keep = |group: &[(f64, f64)]| -> Vec<(f64, f64)> {
