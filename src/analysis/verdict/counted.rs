@@ -6,7 +6,7 @@ use super::{LookUp, SHARE, booked};
 use glam::{DVec2, DVec3};
 
 crate::catalogue! {
-    /// How receivers with a wrong verdict are counted, each as a share in [0,1] of all counted ones.
+    /// How receivers with a wrong verdict are counted, each as a share of all counted ones.
     pub enum Measure {
         /// Receivers with any wrong share, however small.
         Wrong = "wrong",

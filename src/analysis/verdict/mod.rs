@@ -17,7 +17,7 @@ pub const SOUND: f64 = 2.0 / 255.0;
 pub const SURELY_SOUND: f32 = (SOUND as f32).next_down();
 
 /// Whether a texel decodes to the depth that it was drawn with, up to [`SOUND`]; not where nothing was
-/// drawn. Depths count as the nearest in [0,1].
+/// drawn. Depths beyond 0 and 1 count as these.
 #[must_use]
 #[inline]
 pub fn is_sound(drawn: Option<f32>, read: f32) -> bool {
@@ -47,13 +47,13 @@ pub trait LookUp: Held {
     fn parts(&self) -> usize;
     /// The part in the middle, which names an error before all others.
     fn centre(&self) -> usize;
-    /// How much light a part lets through, in [0,1]; of a tap 0 or 1.
+    /// How much light a part lets through, from 0 to 1; of a tap 0 or 1.
     fn visibility(&self, part: usize) -> f64;
     /// Whether the bias alone hides the occluder that a part holds; asked of such parts alone.
     fn is_hidden(&self, part: usize) -> bool;
 }
 
-/// The visibility v ∈ [0,1] of a look-up: the sum over its parts; 1 where there is none.
+/// The visibility v of a look-up, from 0 to 1: the sum over its parts; 1 where there is none.
 #[must_use]
 pub fn visibility(look: &impl LookUp) -> f64 {
     match look.parts() {

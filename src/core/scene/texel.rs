@@ -67,7 +67,7 @@ impl TexelFormat {
         }
     }
 
-    /// One step of the format at a window depth, which counts as the nearest in [0,1]: the smallest
+    /// One step of the format at a window depth, which beyond 0 and 1 counts as these: the smallest
     /// difference that it keeps. Of a depth format the spacing of its values, of a packing twice its
     /// worst error (whole bytes may be lost on the way), at most 1; of a packing that loses nothing the
     /// spacing of f32.

@@ -5,7 +5,7 @@ crate::catalogue! {
     pub enum Unit {
         /// The parameter does nothing.
         Nothing = "nothing",
-        /// Window depth, [0,1] from the near to the far plane.
+        /// Window depth, 0 at the near and 1 at the far plane.
         WindowDepth = "window depth",
         /// World length.
         WorldUnits = "world units",
