@@ -219,7 +219,7 @@ fn png(
             let codes = bottom_up(&red, side).into_iter();
             from_codes(place, side, DepthFormat::Unorm16, codes, device)
         }
-        other => {
+        other @ (TexelFormat::Depth(_) | TexelFormat::Packed(_)) => {
             let bits = if sixteen { 16 } else { 8 };
             let reason = format!("has {bits} bits a channel, which hold no {}", other.name());
             Err(Error::bad_input(

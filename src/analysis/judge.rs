@@ -60,7 +60,9 @@ impl Observer<'_> {
                     FirstHit::Hit { t, t_error, .. } if t + t_error < 1.0 => {
                         end + (receiver.position - end) * t
                     }
-                    _ => return f64::INFINITY,
+                    FirstHit::None | FirstHit::Hit { .. } | FirstHit::Ambiguous => {
+                        return f64::INFINITY;
+                    }
                 }
             }
         };
@@ -157,7 +159,7 @@ impl Observer<'_> {
             {
                 StoredCaster::Occluder
             }
-            _ => StoredCaster::Other,
+            Truth::Lit | Truth::Shadowed(_) | Truth::Ambiguous => StoredCaster::Other,
         }
     }
 

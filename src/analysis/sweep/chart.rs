@@ -8,7 +8,7 @@ use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::raster::{Fragments, NO_TRIANGLE, Pass, PolygonOffset, Raster, Slots, draw};
 use crate::scene::{Filter, MapSpec, TexelFormat};
-use crate::shadow::bias::{Site, Weights};
+use crate::shadow::bias::{Recipe, Site, Weights};
 use crate::shadow::{self, Footprints, Sampling};
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -175,6 +175,12 @@ impl<'f, 'a> Chart<'f, 'a> {
     #[must_use]
     pub fn weights(&self, texel: TexelFormat, i: usize) -> Weights {
         self.site_weights()[i].with_step(texel.step(self.field.receivers.z[i]))
+    }
+
+    /// The bias of every tap of a receiver under a format.
+    #[must_use]
+    pub fn bias(&self, recipe: &Recipe, texel: TexelFormat, i: usize) -> f32 {
+        recipe.bias(&self.weights(texel, i), || self.site(i))
     }
 
     /// The indices of all receivers.

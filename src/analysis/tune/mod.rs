@@ -237,7 +237,7 @@ impl<'r> Answer<'r> {
         for t in &self.tuned {
             match t.outcome {
                 Outcome::Set(value) => {
-                    let line = engine.line(&t.knob, value);
+                    let line = t.knob.line(value);
                     section.push(Block::Code { language: engine.name().into(), text: line });
                 }
                 Outcome::NotNeeded

@@ -178,9 +178,9 @@ impl MatrixChain {
                 light_coord: vec![*model, *m("textureMatrix")],
             },
             Self::BiasMatrix | Self::BiasMatrixAsPrinted => {
-                let bias = match self {
-                    Self::BiasMatrix => sound_bias_matrix(),
-                    _ => bias_matrix(Vec4::new(0.0, 0.5, 0.0, 0.0)),
+                let bias = match self == Self::BiasMatrix {
+                    true => sound_bias_matrix(),
+                    false => bias_matrix(Vec4::new(0.0, 0.5, 0.0, 0.0)),
                 };
                 let light_mv = times(m("lightV"), model);
                 Stages {
