@@ -70,10 +70,13 @@ fn body(args: &Args) -> Result<()> {
         return report.complete();
     }
     for block in report.blocks() {
-        match block {
-            Block::Code { text, .. } => print(&format!("{text}\n"))?,
-            Block::Table(table) if table.id == "units" => print_table(table)?,
-            _ => {}
+        if let Block::Code { text, .. } = block {
+            print(&format!("{text}\n"))?;
+        }
+        if let Block::Table(table) = block
+            && table.id == "units"
+        {
+            print_table(table)?;
         }
     }
     report.complete()

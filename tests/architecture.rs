@@ -233,3 +233,61 @@ fn no_committed_text_names_a_machine() {
         }
     }
 }
+
+/// Names of the sets that `catalogue!` (or a macro over it) declares, in whichever package.
+fn catalogues() -> Vec<String> {
+    let mut names = Vec::new();
+    for path in rust_files("src") {
+        let text = fs::read_to_string(&path).unwrap();
+        for (at, _) in text.match_indices("catalogue! {").chain(text.match_indices("packings! {")) {
+            let Some(head) = text[at..].split("pub enum ").nth(1) else { continue };
+            let end = head.find(|c: char| !c.is_alphanumeric()).unwrap_or(0);
+            names.push(head[..end].to_string());
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    assert!(names.len() > 20, "only {names:?}: the scan is broken");
+    names
+}
+
+/// Patterns of the match that an arm of `lines[at]` ends, and the type that `Self` stands for.
+fn arms<'t>(lines: &[&'t str], at: usize) -> (Vec<&'t str>, &'t str) {
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let own = indent(lines[at]);
+    let inside = lines[..at].iter().rev().take_while(|l| l.trim().is_empty() || indent(l) >= own);
+    let same = inside.filter(|l| indent(l) == own).map(|l| l.split("=>").next().unwrap_or(l));
+    let head = lines[..at].iter().rev().find(|l| l.starts_with("impl"));
+    (
+        same.collect(),
+        head.and_then(|l| l.trim_end_matches(" {").split(' ').next_back()).unwrap_or(""),
+    )
+}
+
+/// A new member of a catalogue is led to every place that tells its members apart: clippy sees to plain
+/// matches, this to those over pairs.
+#[test]
+fn no_wildcard_stands_for_members_of_a_catalogue() {
+    let catalogues = catalogues();
+    let mut wildcards = 0;
+    for path in rust_files("src") {
+        let text = fs::read_to_string(&path).unwrap();
+        let lines: Vec<&str> = text.split("#[cfg(test)]").next().unwrap().lines().collect();
+        for (at, line) in lines.iter().enumerate() {
+            let arm = line.trim_start();
+            if !(arm.starts_with("_ =>") || arm.starts_with("_ if")) {
+                continue;
+            }
+            wildcards += 1;
+            let (patterns, own) = arms(&lines, at);
+            let names = |pattern: &&str| {
+                catalogues.iter().any(|name| {
+                    pattern.contains(&format!("{name}::"))
+                        || (name == own && pattern.contains("Self::"))
+                })
+            };
+            let hit = patterns.iter().find(|p| names(p));
+            assert!(hit.is_none(), "{}:{}: _ beside {}", name(&path), at + 1, hit.unwrap().trim());
+        }
+    }
+    assert!(wildcards > 10, "only {wildcards} wildcards were seen: the scan is broken");
+}

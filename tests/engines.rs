@@ -95,7 +95,7 @@ fn whole_numbers_are_rounded_up() {
 fn every_line_names_the_value() {
     for &engine in Engine::ALL {
         for knob in engine.knobs() {
-            let line = engine.line(&knob, 2.0);
+            let line = knob.line(2.0);
             assert!(line.contains('2') && line.lines().count() == 1, "{engine}: {line}");
         }
     }

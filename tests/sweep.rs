@@ -1,4 +1,5 @@
 //! The sweep's shortcut against the literal f32 rule, and how it behaves at its edges.
+#![allow(clippy::wildcard_enum_match_arm, reason = "singles one member out")]
 
 use gnomon::analysis::sweep::chart::{Attachment, Chart};
 use gnomon::analysis::sweep::tally::Kind;

@@ -1,4 +1,5 @@
 //! The truth against closed meshes, integers, closed forms and itself.
+#![allow(clippy::wildcard_enum_match_arm, reason = "singles one member out")]
 
 #[path = "support/exact.rs"]
 mod exact;

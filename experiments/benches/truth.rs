@@ -4,6 +4,7 @@
 //! Times are medians over rounds in which all ways take turns: processor time on one thread; of two
 //! threads that of the busier one, which is the wall time of a machine that does nothing else.
 //! `GNOMON_DUMP=DIR` writes the scenes and rays for `embree.py`; `GNOMON_CSV=FILE` keeps the curve.
+#![allow(clippy::wildcard_enum_match_arm, reason = "singles one member out")]
 
 #[path = "../../tests/support/meshes.rs"]
 mod meshes;

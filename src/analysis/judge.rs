@@ -61,7 +61,9 @@ impl Observer<'_> {
                     FirstHit::Hit { t, t_error, .. } if t + t_error < 1.0 => {
                         end + (receiver.position - end) * t
                     }
-                    _ => return f64::INFINITY,
+                    FirstHit::None | FirstHit::Hit { .. } | FirstHit::Ambiguous => {
+                        return f64::INFINITY;
+                    }
                 }
             }
         };
@@ -146,7 +148,7 @@ impl Observer<'_> {
             {
                 StoredCaster::Occluder
             }
-            _ => StoredCaster::Other,
+            Truth::Lit | Truth::Shadowed(_) | Truth::Ambiguous => StoredCaster::Other,
         }
     }
 

@@ -84,7 +84,9 @@ impl<'a> Field<'a> {
         match self.value {
             Value::String(text) => Ok(text.clone()),
             Value::Number(_) | Value::Bool(_) => Ok(self.value.to_string()),
-            _ => Err(self.bad("is a list or an object", "give a word, a number, true or false")),
+            Value::Null | Value::Array(_) | Value::Object(_) => {
+                Err(self.bad("is a list or an object", "give a word, a number, true or false"))
+            }
         }
     }
 

@@ -17,8 +17,42 @@
 /// assert_eq!("tails".parse::<Side>().unwrap(), Side::Tails);
 /// assert!("edge".parse::<Side>().unwrap_err().to_string().contains("heads, tails"));
 /// ```
+///
+/// A set whose members are rows says all that is known of a member beside its name, and what follows
+/// from a fact is derived from it: a fact that is missing does not compile.
+///
+/// ```
+/// struct Facts { legs: u32 }
+/// gnomon_core::catalogue! {
+///     /// Animals.
+///     pub enum Animal: Facts {
+///         /// It sings.
+///         Bird = "bird" => Facts { legs: 2 },
+///         /// It spins.
+///         Spider = "spider" => Facts { legs: 8 },
+///     }
+/// }
+/// assert_eq!(Animal::Spider.row().legs, 8);
+/// ```
 #[macro_export]
 macro_rules! catalogue {
+    ($(#[$meta:meta])* pub enum $Set:ident: $Row:ty {
+        $($(#[doc = $doc:literal])+ $Item:ident = $name:literal => $row:expr),+ $(,)?
+    }) => {
+        $crate::catalogue! {
+            $(#[$meta])*
+            pub enum $Set { $($(#[doc = $doc])+ $Item = $name),+ }
+        }
+
+        impl $Set {
+            /// The member's row: every fact about it but its name.
+            #[must_use]
+            #[inline(always)]
+            const fn row(self) -> &'static $Row {
+                match self { $(Self::$Item => { const ROW: $Row = $row; &ROW }),+ }
+            }
+        }
+    };
     ($(#[$meta:meta])* pub enum $Set:ident {
         $($(#[doc = $doc:literal])+ $Item:ident = $name:literal),+ $(,)?
     }) => {

@@ -158,10 +158,7 @@ impl Device {
     /// The format that a requested depth format becomes here.
     #[must_use]
     pub const fn depth_format(&self, requested: DepthFormat) -> DepthFormat {
-        match requested {
-            DepthFormat::Unorm24 => self.depth24,
-            other => other,
-        }
+        if matches!(requested, DepthFormat::Unorm24) { self.depth24 } else { requested }
     }
 
     /// A depth as it comes back from a texel of `format`.

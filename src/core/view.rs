@@ -155,7 +155,7 @@ impl Projection {
             {
                 bad("ortho", format!("{width} x {height} is empty"), "give a positive size")
             }
-            _ => Ok(self),
+            Self::Perspective { .. } | Self::Orthographic { .. } => Ok(self),
         }
     }
 

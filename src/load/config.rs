@@ -188,11 +188,9 @@ impl Settings {
 
 fn parsed<T: FromStr<Err = Error>>(key: &str, text: &Option<String>, default: T) -> Result<T> {
     text.as_ref().map_or(Ok(default), |text| {
-        text.parse().map_err(|e| match e {
-            Error::BadInput { place, reason, fix } => {
-                Error::bad_input(format!("{key} {place}"), reason, fix)
-            }
-            other => other,
+        text.parse().map_err(|e| {
+            let Error::BadInput { place, reason, fix } = e else { return e };
+            Error::bad_input(format!("{key} {place}"), reason, fix)
         })
     })
 }

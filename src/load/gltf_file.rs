@@ -218,7 +218,9 @@ impl Reader<'_> {
         let indices = match mode {
             Mode::TriangleStrip => strips::strip(&indices),
             Mode::TriangleFan => strips::fan(&indices),
-            _ => indices,
+            Mode::Triangles | Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {
+                indices
+            }
         };
         let (given, colour) = ((positions, indices), base_colour(primitive));
         let mesh_out = repair::mesh(&place, given, colour, &self.budget, &mut self.scene.notes)?;

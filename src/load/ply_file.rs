@@ -159,7 +159,8 @@ impl PropertyAccess for Strip {
         if !matches!(name, "vertex_indices" | "vertex_index") {
             return PropertyAccessResult::Ignored;
         }
-        self.0 = match value {
+        #[expect(clippy::wildcard_enum_match_arm, reason = "the library's own enum of all types")]
+        let strip = match value {
             Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
             Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
             Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
@@ -168,6 +169,7 @@ impl PropertyAccess for Strip {
                 None => return PropertyAccessResult::UnsupportedType,
             },
         };
+        self.0 = strip;
         PropertyAccessResult::Set
     }
 }

@@ -96,6 +96,7 @@ fn smallest_offset(degrees: f64, cos: f64, sin: f64) -> f64 {
             window_per_world: 1.0 / sheet.range,
             gradient: DVec2::ZERO,
             map_size: [SIZE; 2],
+            w: 1.0,
         };
         let weight = NormalWeight::One;
         NormalMove { amount, weight, ..NormalMove::default() }.offset(&site)

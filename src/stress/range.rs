@@ -100,11 +100,13 @@ impl Store {
     fn depth_error(self, window: f32) -> f64 {
         let ulp = DepthFormat::F32.quantum(window);
         let step = self.format.quantum(window);
-        match self.format {
-            DepthFormat::F32 => ulp / 2.0,
-            DepthFormat::Unorm24 if window > 0.5 => ulp / 2.0,
-            format if format.unorm_max().is_some() => step / 2.0 + ulp,
-            _ => step / 2.0 + ulp / 2.0,
+        let exact = self.format == DepthFormat::Unorm24 && window > 0.5;
+        if exact || self.format == DepthFormat::F32 {
+            ulp / 2.0
+        } else if self.format.unorm_max().is_some() {
+            step / 2.0 + ulp
+        } else {
+            step / 2.0 + ulp / 2.0
         }
     }
 
@@ -129,11 +131,10 @@ impl Store {
 
     /// The first distance at which the gap is below the format's quantum.
     fn first_merged(self) -> f64 {
-        let digits = match self.format {
-            DepthFormat::F16 => 11,
-            DepthFormat::F32 => 24,
-            _ => return self.merged_beyond(1.0 / f64::from(self.format.unorm_max().unwrap_or(1))),
-        };
+        if let Some(max) = self.format.unorm_max() {
+            return self.merged_beyond(1.0 / f64::from(max));
+        }
+        let digits = self.format.significant_bits() as i32;
         if !self.mapping.is_reversed() {
             return self.merged_beyond(exp2(-digits)); // depths in [½, 1) beyond 2n
         }
@@ -187,7 +188,10 @@ fn at_ratio(effort: &Sampling, kind: MappingKind, format: DepthFormat) -> Row {
         MappingKind::Reversed => {
             Forecast::never(name, event, "reversed floats keep their relative step down to depth 0")
         }
-        _ => {
+        MappingKind::Orthographic
+        | MappingKind::Linear
+        | MappingKind::Perspective
+        | MappingKind::ReversedInfinite => {
             let quantum = format.quantum(0.75);
             let root = (NEAR - GAP) * (NEAR - GAP) + 4.0 * NEAR * GAP / quantum;
             let onset = ((NEAR + GAP) + f64::sqrt(root)) / 2.0 / NEAR;

@@ -1,5 +1,6 @@
 //! The page in a real browser: writes reports with what Rust expects of them, then lets
 //! `tests/browser/run.mjs` compare. Needs `npm ci --prefix tests/browser` and Chromium.
+#![allow(clippy::wildcard_enum_match_arm, reason = "singles one member out")]
 
 use std::path::Path;
 use std::process::Command;

@@ -105,7 +105,7 @@ pub(super) fn from_png(
         TexelFormat::Depth(DepthFormat::Unorm16) if sixteen => {
             from_codes(place, side, DepthFormat::Unorm16, picture.red().into_iter(), device)
         }
-        other => {
+        other @ (TexelFormat::Depth(_) | TexelFormat::Packed(_)) => {
             let bits = if sixteen { 16 } else { 8 };
             let reason = format!("has {bits} bits a channel, which hold no {}", other.name());
             let fix = "dump an EXR or raw bytes, or name another --packing";

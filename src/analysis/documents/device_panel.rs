@@ -79,7 +79,9 @@ fn predictions(packing: Packing, depths: &[f32]) -> Vec<Predicted> {
         let Device { store, load, .. } = profile.device();
         let run = match profile {
             DeviceProfile::WebglSwiftshader => predicted::<Folded>,
-            _ => predicted::<f32>,
+            DeviceProfile::Ideal | DeviceProfile::DesktopFma | DeviceProfile::Truncating => {
+                predicted::<f32>
+            }
         };
         run(packing, depths, profile.name(), "highp", (store, load))
     };

@@ -194,7 +194,9 @@ fn rung_breakpoint(rule: CompareRule, rung: Rung, o: Option<&Observation>) -> f3
     let stored = o.stored[rung as usize];
     match rung {
         Rung::Bias | Rung::Sampling => exact_breakpoint(rule, o.exact.z, stored),
-        _ => shadow::breakpoint(rule, o.coord[2], stored as f32),
+        Rung::Arithmetic | Rung::Quantization | Rung::Filter => {
+            shadow::breakpoint(rule, o.coord[2], stored as f32)
+        }
     }
 }
 

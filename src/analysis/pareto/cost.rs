@@ -14,8 +14,8 @@
 use crate::depth::Packing;
 use crate::depth::arith::Number;
 use crate::depth::packing::{Pair, PairVisitor};
-use crate::scene::{Filter, TexelFormat};
-use crate::shadow::bias::{Layers, Strategy};
+use crate::scene::{Filter, Kernel, TexelFormat};
+use crate::shadow::bias::{Follow, Layers, NormalWeight, Strategy};
 use serde::Serialize;
 use std::cell::Cell;
 use std::cmp::Ordering;
@@ -40,11 +40,9 @@ impl Cost {
     pub fn of(format: TexelFormat, size: u32, filter: Filter, strategy: Strategy) -> Self {
         let fetches = filter.fetches();
         let comparisons = if filter == Filter::Linear { 1 } else { fetches };
-        let bilinear = match filter {
-            Filter::Bilinear => 1,
-            Filter::Pcf3Bilinear => 9,
-            Filter::Vogel5Bilinear => 5,
-            _ => 0,
+        let bilinear = match filter.kernel() {
+            Kernel::Bilinear { points, .. } => points().len() as u32,
+            Kernel::Points { .. } | Kernel::Square(_) | Kernel::Mix => 0,
         };
         let unpack = match format {
             TexelFormat::Packed(packing) => unpack_operations(packing),
@@ -57,7 +55,7 @@ impl Cost {
             map_bytes: u64::from(size) * u64::from(size) * u64::from(format.bytes()),
             passes: match strategy.with(1.0).layers {
                 Layers::Nearest | Layers::BackFaces => 1,
-                _ => 2,
+                Layers::Second | Layers::Midpoint | Layers::Dual => 2,
             },
             fetches,
             operations: places
@@ -71,48 +69,36 @@ impl Cost {
     }
 }
 
-/// Operations of a strategy at the receiver: once a look-up, and for each comparison more.
+/// Operations of a strategy at the receiver: once a look-up, and for each comparison more. Read off its
+/// recipe; what the raster or the map pass does costs no look-up anything.
 ///
-/// A gradient is two derivatives; the receiver's plane in the map is three pairs of derivatives, three
-/// 2×2 determinants (3 operations each) and two divisions: 17; following it to a texel's centre costs
+/// A move is three multiply-adds, one product more where it counts texels; its weight beside: 1 − N·L a dot
+/// product, a difference and a product, sin θ a dot product, 1 − c², its root and a product; taking off the
+/// part along L another dot product and three multiply-adds. A gradient is two derivatives: their sizes are
+/// added, multiplied and clamped for a slope. The receiver's plane in the map is three pairs of derivatives,
+/// three 2×2 determinants (3 operations each) and two divisions: 17; following it to a texel's centre costs
 /// the centre (per axis scale, floor, add, rescale, subtract: 10) and two multiply-adds.
 #[must_use]
-pub const fn strategy_operations(strategy: Strategy) -> [u32; 2] {
-    match strategy {
-        // Nothing, or done by the raster or in the map pass.
-        Strategy::None
-        | Strategy::Constant
-        | Strategy::World
-        | Strategy::Texels
-        | Strategy::FormatSteps
-        | Strategy::SlopeRaster
-        | Strategy::RasterUnits
-        | Strategy::RasterPlaycanvas
-        | Strategy::CasterUnity
-        | Strategy::CasterUrp
-        | Strategy::CasterBabylon
-        | Strategy::CasterLight
-        | Strategy::CasterUnreal
-        | Strategy::FrontCulling
-        | Strategy::SecondDepth
-        | Strategy::Midpoint
-        | Strategy::DualLayer
-        | Strategy::Oriented => [0, 0],
-        // Two derivatives, their sizes added, times the amount, clamped.
-        Strategy::ReceiverSlope => [5, 0],
-        // p + a·N or p + a·L: three multiply-adds.
-        Strategy::NormalOffset | Strategy::LightOffset => [6, 0],
-        // The same with the amount times one factor of the texel.
-        Strategy::NormalBevy | Strategy::NormalHdrp => [7, 0],
-        // (1 − N·L): a dot product and a difference; one product, three multiply-adds.
-        Strategy::NormalCesium => [13, 0],
-        // sin θ from N·L: a dot product (5), 1 − c² (2), a root (1), two products.
-        Strategy::NormalFilament | Strategy::NormalBlender => [16, 0],
-        // (1 − N·L), and the part along L taken off: two dot products and three more multiply-adds.
-        Strategy::NormalGodot => [25, 0],
-        Strategy::ReceiverPlane | Strategy::Adaptive => [17, 14],
-        Strategy::ReceiverPlaneTap => [17, 4],
-    }
+pub fn strategy_operations(strategy: Strategy) -> [u32; 2] {
+    let recipe = strategy.with(1.0);
+    let normal = recipe.normal;
+    let weight = match normal.weight {
+        NormalWeight::One => 0,
+        NormalWeight::OneMinusCos => 7,
+        NormalWeight::Sin | NormalWeight::Blender => 9,
+    };
+    let counted = |does: bool, operations: u32| if does { operations } else { 0 };
+    let moved = 6 + weight + counted(normal.in_texels, 1) + counted(normal.sideways, 11);
+    let [plane, each] = match recipe.follow {
+        Follow::Receiver => [0, 0],
+        Follow::TexelCentre | Follow::NearerOfCentre => [17, 14],
+        Follow::Sample => [17, 4],
+    };
+    let once = counted(normal.amount != 0.0, moved)
+        + counted(recipe.light != 0.0, 6)
+        + counted(recipe.slope != 0.0, 5)
+        + recipe.rule.map_or(0, |r| r.rule.operations());
+    [once + plane, each]
 }
 
 thread_local! {

@@ -126,12 +126,8 @@ impl Layout {
 }
 
 fn digit_bits(packing: Packing) -> Option<u32> {
-    match packing {
-        Packing::Digits16 => Some(16),
-        Packing::Digits24 => Some(24),
-        Packing::Digits32 => Some(32),
-        _ => None,
-    }
+    let digits = [(Packing::Digits16, 16), (Packing::Digits24, 24), (Packing::Digits32, 32)];
+    digits.into_iter().find(|(of, _)| *of == packing).map(|(_, bits)| bits)
 }
 
 /// K = round(z·M) errs by half a code in real numbers. In f32 the product with M = 2ⁿ − 1 rounds by

@@ -69,7 +69,9 @@ impl Texels {
             let exact = f64::from(k) / 255.0;
             let sampled = match self.path.load {
                 UnormLoad::Divide if self.real => exact,
-                load => load.value(k, 255).into(),
+                UnormLoad::Divide | UnormLoad::Reciprocal | UnormLoad::Half => {
+                    self.path.load.value(k, 255).into()
+                }
             };
             (sampled - exact).abs()
         };

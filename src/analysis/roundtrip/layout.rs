@@ -174,6 +174,13 @@ pub(super) fn layout(packing: Packing) -> Option<Layout> {
         Packing::ThreeRgba => of_256(3, Digit::StretchedFromLead),
         Packing::ThreeRgb => of_256(2, Digit::StretchedFromLead),
         Packing::ThreeRg => of_256(1, Digit::StretchedFromLead),
-        _ => return None,
+        // Channels that do not telescope: digits by themselves, whole bit patterns, pairs that do not match.
+        Packing::Aras200703
+        | Packing::Aras2007
+        | Packing::Forge
+        | Packing::PlaycanvasBits
+        | Packing::Digits16
+        | Packing::Digits24
+        | Packing::Digits32 => return None,
     })
 }

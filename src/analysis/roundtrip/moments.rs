@@ -46,7 +46,7 @@ impl MomentStore {
         match self {
             Self::F16 => Some(65_504.0),
             Self::F32 => Some(f64::from(f32::MAX)),
-            _ => None,
+            Self::ThreeHalf | Self::PlaycanvasVsm8 | Self::Digits16 => None,
         }
     }
 

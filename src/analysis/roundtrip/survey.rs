@@ -75,7 +75,7 @@ pub fn tally<F: Raw>(
     match method {
         Method::Brute => brute::tally(trip, level, start, end),
         Method::Pruned => prune::tally(trip, level, start, end),
-        other => panic!("{other} does not go by enclosures"),
+        Method::Sampled | Method::BreakPoints => panic!("{method} does not go by enclosures"),
     }
 }
 

@@ -17,13 +17,15 @@ use crate::num::exp2;
 
 /// The bound of a packing of either kind.
 pub(super) fn bound(packing: Packing, texels: &Texels) -> Option<Bound> {
-    match packing {
-        Packing::Aras200703 => Some(pieces(texels, 256, 0.0, 0.0)),
-        // fl(255z) errs by 2⁻²⁵·255, half a step added to a channel by 2⁻²⁵.
-        Packing::Aras2007 => Some(pieces(texels, 255, 0.5 / 255.0, exp2(-25) * (1.0 + 1.0 / 64.0))),
-        Packing::Forge => Some(mismatched()),
-        _ => None,
-    }
+    // fl(255z) errs by 2⁻²⁵·255, half a step added to a channel by 2⁻²⁵.
+    let half_step = || pieces(texels, 255, 0.5 / 255.0, exp2(-25) * (1.0 + 1.0 / 64.0));
+    let whole = || pieces(texels, 256, 0.0, 0.0);
+    let bounds: [(Packing, &dyn Fn() -> Bound); 3] = [
+        (Packing::Aras200703, &whole),
+        (Packing::Aras2007, &half_step),
+        (Packing::Forge, &mismatched),
+    ];
+    bounds.into_iter().find(|(of, _)| *of == packing).map(|(_, bound)| bound())
 }
 
 /// Roundings of the weighted sum in f32, the greatest term first.

@@ -205,6 +205,12 @@ impl<'f, 'a> Chart<'f, 'a> {
         recipe.common_bias().unwrap_or_else(weighed)
     }
 
+    /// The bias of every tap of a receiver under a format.
+    #[must_use]
+    pub fn bias(&self, recipe: &Recipe, texel: TexelFormat, i: usize) -> f32 {
+        recipe.bias(&self.weights(texel, i), || self.site(i))
+    }
+
     /// The indices of all receivers.
     #[must_use]
     pub fn all(&self) -> Vec<u32> {

@@ -62,7 +62,9 @@ pub fn sweep_formats(
             let one = |s: Swept| values::by_values(chart, vec![s], amounts, limit);
             bases.into_par_iter().flat_map(one).collect()
         }
-        _ => values::by_values(chart, bases, amounts, limit),
+        Family::Map | Family::Vertex | Family::Receiver | Family::Rule => {
+            values::by_values(chart, bases, amounts, limit)
+        }
     };
     if populations[0] == 0 {
         swept.iter_mut().for_each(|s| s.acne_free = None);

@@ -13,6 +13,7 @@ use crate::shadow::Few;
 use crate::shadow::bias::{Recipe, Site};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
+use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -36,6 +37,18 @@ impl<'a> Field<'a> {
     #[must_use]
     pub fn new(case: &'a Case, step: u32) -> Self {
         Self::with(case, step, Effort::default())
+    }
+
+    /// A field over a case of a guest's own, which is checked.
+    ///
+    /// # Errors
+    /// [`Error::BadInput`] for a step of 0 and where [`Case::check`] finds a fault.
+    pub fn checked(case: &'a Case, step: u32) -> Result<Self> {
+        if step == 0 {
+            return Err(Error::bad_input("step", "0 is no step", "give 1 for every pixel"));
+        }
+        case.check()?;
+        Ok(Self::new(case, step))
     }
 
     /// A field worked out by a given effort; so are the sweeps over them.
@@ -165,6 +178,7 @@ impl<'a> Field<'a> {
             window_per_world: map.depth_per_world(z),
             gradient: sample.gradient,
             map_size,
+            w: if map.is_orthographic() { 1.0 } else { z },
         }
     }
 

@@ -163,6 +163,7 @@ impl Chart<'_, '_> {
                     window_per_world: 0.0,
                     gradient: glam::DVec2::ZERO,
                     map_size: rect.size,
+                    w: 1.0,
                 };
                 let moved = p + recipe.vertex_offset(&site);
                 device.mat_vec(&matrix, moved.as_vec3().extend(1.0))

@@ -14,6 +14,7 @@ mod drawn;
 pub mod evaluate;
 pub mod field;
 pub mod gate;
+pub mod guest;
 pub mod looks;
 mod maps;
 mod margins;

@@ -198,7 +198,9 @@ pub(super) fn compared(
 ) -> f32 {
     match follow {
         Follow::Receiver => z,
-        _ => z + follow.shift(sample.gradient, footprint.offsets[i]),
+        Follow::TexelCentre | Follow::Sample | Follow::NearerOfCentre => {
+            z + follow.shift(sample.gradient, footprint.offsets[i])
+        }
     }
 }
 

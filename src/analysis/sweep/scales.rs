@@ -14,13 +14,15 @@ pub struct Scales {
     pub resolvable: f64,
     /// One step of the format at the middle receiver.
     pub step: f64,
+    /// The w of the middle receiver's clip position.
+    pub w: f64,
 }
 
 impl Default for Scales {
     /// 24 bits over one world unit.
     fn default() -> Self {
         let ulp = crate::num::exp2(-24);
-        Self { world_per_window: 1.0, resolvable: ulp, step: ulp }
+        Self { world_per_window: 1.0, resolvable: ulp, step: ulp, w: 1.0 }
     }
 }
 
@@ -32,9 +34,10 @@ impl Scales {
         let (none, counts) = (Self::default(), strategy.unit() == Unit::UnitsR);
         let Some(middle) = field.middle() else { return none };
         let resolvable = || field.smallest_resolvable(size, format);
+        let site = field.site(middle, &field.case().light.layout(size));
         Self {
-            world_per_window: 1.0
-                / field.site(middle, &field.case().light.layout(size)).window_per_world,
+            world_per_window: 1.0 / site.window_per_world,
+            w: site.w,
             resolvable: if counts { resolvable() } else { none.resolvable },
             step: format.step(field.case().layout().compared(middle.coord[2])),
         }
@@ -63,6 +66,7 @@ pub fn amounts(strategy: Strategy, bias: &Range, scales: &Scales) -> Vec<f32> {
             let world = scales.world_per_window;
             range.between(bias.low.max(1e-9) * world, bias.high * world)
         }
+        Unit::ClipDepth => range.between(bias.low.max(1e-9) * scales.w, bias.high * scales.w),
         Unit::FormatSteps => range.between(0.25, 1.0 / scales.step),
         Unit::UnitsR => range.between(0.25, 1.0 / scales.resolvable),
         Unit::Nothing

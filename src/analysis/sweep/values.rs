@@ -6,7 +6,7 @@ use super::swept::{Point, Swept};
 use super::tally::{Kind, Tally};
 use super::wrong::Wrong;
 use crate::scene::TexelFormat;
-use crate::shadow::bias::{Family, Layers, Strategy};
+use crate::shadow::bias::{Family, Layers, Recipe};
 use rayon::prelude::*;
 
 /// The literal counts at one amount, and which receivers are wrong there.
@@ -28,14 +28,14 @@ fn wrong_at(ends: [&Evaluated; 2], counts: impl Fn(Kind) -> bool) -> Vec<u32> {
 struct Literal<'c, 'f, 'a> {
     chart: &'c Chart<'f, 'a>,
     format: TexelFormat,
-    strategy: Strategy,
+    recipe: &'c (dyn Fn(f32) -> Recipe + Sync),
     all: &'c [u32],
 }
 
 impl Literal<'_, '_, '_> {
     /// The counts over the receivers of `which`.
     fn at(&self, amount: f32, which: &[u32]) -> Evaluated {
-        let wrong = self.chart.wrong(&[self.format], &self.strategy.with(amount), which);
+        let wrong = self.chart.wrong(&[self.format], &(self.recipe)(amount), which);
         self.counted(amount, wrong.into_iter().flatten().collect())
     }
 
@@ -53,9 +53,9 @@ impl Literal<'_, '_, '_> {
     /// Whether more of the strategy only ever lights: the nearest surface's depth under a polygon offset
     /// grows with it, through every rounding (a depth texture is its own attachment and monotone).
     fn only_lights(&self) -> bool {
-        let recipe = self.strategy.with(1.0);
+        let [recipe, more] = [1.0, 2.0].map(self.recipe);
         self.chart.field.skips()
-            && self.strategy.family() == Family::Map
+            && Family::between(&recipe, &more) == Family::Map
             && recipe.layers == Layers::Nearest
             && recipe.oriented == 0.0
             && Attachment::of(self.format) == Attachment::Depth
@@ -136,9 +136,9 @@ const BISECTIONS: u32 = 10;
 /// Every amount, ascending, of several formats, which share all that does not depend on them; the outer
 /// list by format.
 fn shared_grid(literals: &[Literal<'_, '_, '_>], amounts: &[f32]) -> Vec<Vec<Evaluated>> {
-    let Some(Literal { chart, strategy, all, .. }) = literals.first() else { return Vec::new() };
+    let Some(Literal { chart, recipe, all, .. }) = literals.first() else { return Vec::new() };
     let formats: Vec<TexelFormat> = literals.iter().map(|l| l.format).collect();
-    let at = |&amount: &f32| chart.wrong(&formats, &strategy.with(amount), all);
+    let at = |&amount: &f32| chart.wrong(&formats, &recipe(amount), all);
     let mut found: Vec<_> = amounts.par_iter().map(at).collect();
     let grid = |(k, literal): (usize, &Literal<'_, '_, '_>)| {
         let wrong = found.iter_mut().map(|formats| std::mem::take(&mut formats[k]));
@@ -155,7 +155,9 @@ pub(super) fn by_values(
     limit: i64,
 ) -> Vec<Swept> {
     let all = chart.all();
-    let literal = |s: &Swept| Literal { chart, format: s.format, strategy: s.strategy, all: &all };
+    let Some(strategy) = swept.first().map(|s| s.strategy) else { return swept };
+    let recipe = |amount: f32| strategy.with(amount);
+    let literal = |s: &Swept| Literal { chart, format: s.format, recipe: &recipe, all: &all };
     let (lighting, others): (Vec<_>, Vec<_>) =
         swept.into_iter().map(|s| (literal(&s), s)).partition(|(l, _)| l.only_lights());
     let (literals, bases): (Vec<_>, Vec<_>) = others.into_iter().unzip();
@@ -176,17 +178,45 @@ fn thresholds(
     grid: Vec<Evaluated>,
     limit: i64,
 ) -> Swept {
-    let loud = |e: &Evaluated| e.point.tally.of(Kind::ACNE) > limit;
-    let free = grid.iter().rposition(loud).map_or(0, |i| i + 1);
-    swept.acne_free = grid.get(free).map(|at| match free {
-        0 => at.point,
-        _ => literal.acne_free(&grid[free - 1], at, limit),
-    });
-    let pans = |e: &Evaluated| e.point.tally.of(Kind::PETER_PANNING) > 0;
-    swept.detachment = grid.iter().position(pans).map(|i| match i {
-        0 => grid[0].point.amount,
-        _ => literal.detachment(&grid[i - 1], &grid[i]),
-    });
+    (swept.acne_free, swept.detachment) = literal.thresholds(&grid, limit, true);
     swept.points = grid.into_iter().map(|e| e.point).collect();
     swept
+}
+
+impl Literal<'_, '_, '_> {
+    /// Where acne ends for good and where the first shadow detaches: between two amounts by bisection,
+    /// or at one of the grid.
+    fn thresholds(
+        &self,
+        grid: &[Evaluated],
+        limit: i64,
+        between: bool,
+    ) -> (Option<Point>, Option<f32>) {
+        let loud = |e: &Evaluated| e.point.tally.of(Kind::ACNE) > limit;
+        let free = grid.iter().rposition(loud).map_or(0, |i| i + 1);
+        let acne_free = grid.get(free).map(|at| match free {
+            1.. if between => self.acne_free(&grid[free - 1], at, limit),
+            0.. => at.point,
+        });
+        let pans = |e: &Evaluated| e.point.tally.of(Kind::PETER_PANNING) > 0;
+        let detachment = grid.iter().position(pans).map(|i| match i {
+            1.. if between => self.detachment(&grid[i - 1], &grid[i]),
+            0.. => grid[i].point.amount,
+        });
+        (acne_free, detachment)
+    }
+}
+
+/// Points and thresholds of any recipe of one amount; between two amounts only where that is asked for.
+pub(super) fn along(
+    chart: &Chart<'_, '_>,
+    format: TexelFormat,
+    recipe: &(dyn Fn(f32) -> Recipe + Sync),
+    amounts: &[f32],
+    (limit, between): (i64, bool),
+) -> (Vec<Point>, Option<Point>, Option<f32>) {
+    let literal = Literal { chart, format, recipe, all: &chart.all() };
+    let grid: Vec<Evaluated> = amounts.par_iter().map(|&a| literal.at(a, literal.all)).collect();
+    let (acne_free, detachment) = literal.thresholds(&grid, limit, between);
+    (grid.into_iter().map(|e| e.point).collect(), acne_free, detachment)
 }

@@ -208,7 +208,7 @@ impl Verdicts<'_> {
 
     /// The bias of every tap of a receiver.
     fn bias(&self, i: usize) -> f32 {
-        let weighed = || self.recipe.tap_bias(&self.chart.weights(self.store.format(), i));
+        let weighed = || self.chart.bias(self.recipe, self.store.format(), i);
         self.recipe.common_bias().unwrap_or_else(weighed)
     }
 

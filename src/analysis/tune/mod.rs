@@ -192,7 +192,7 @@ pub struct Tuning {
 /// let tuning = tune::tune(&field, Engine::ThreeJs, 0.001);
 /// let best = tuning.best().expect("some parameter ends acne");
 /// let Found::Set(value) = best.found else { panic!("this scene needs a bias") };
-/// println!("{}", tuning.engine.line(&best.knob, value));
+/// println!("{}", best.knob.line(value));
 /// assert!(tuning.window.is_some_and(|depth| depth > 0.0));
 /// # Ok::<(), gnomon::Error>(())
 /// ```

@@ -57,7 +57,7 @@ impl Tuning {
         for t in &self.tuned {
             match t.found {
                 Found::Set(value) => {
-                    let line = engine.line(&t.knob, value);
+                    let line = t.knob.line(value);
                     section.push(Block::Code { language: engine.name().into(), text: line });
                 }
                 Found::NotNeeded

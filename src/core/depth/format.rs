@@ -5,23 +5,53 @@ use super::roundtrip::RoundTrip;
 use super::store::{UnormLoad, UnormStore};
 use crate::simd::Level;
 
+/// How codes and depths turn into each other.
+#[derive(Clone, Copy)]
+enum Code {
+    /// Normalised integers up to a largest code.
+    Unorm(u32),
+    /// The bit pattern of a half.
+    Half,
+    /// That of a bfloat16.
+    Brain,
+    /// That of a single.
+    Single,
+}
+
+/// What is known of a format beside its name.
+struct Row {
+    code: Code,
+    /// Bits that API documents call significant: of an integer all, of a float with the implicit one.
+    significant: u32,
+    /// Bytes of a texel as graphics memory and raw files keep it.
+    bytes: u32,
+}
+
+const fn unorm(bits: u32, bytes: u32) -> Row {
+    Row { code: Code::Unorm(u32::MAX >> (32 - bits)), significant: bits, bytes }
+}
+
+const fn float(code: Code, significant: u32, bytes: u32) -> Row {
+    Row { code, significant, bytes }
+}
+
 crate::catalogue! {
     /// How a window depth is stored in one texel of a depth texture.
-    pub enum DepthFormat {
+    pub enum DepthFormat: Row {
         /// 8-bit normalised integer (one colour channel).
-        Unorm8 = "unorm8",
+        Unorm8 = "unorm8" => unorm(8, 1),
         /// 16-bit normalised integer.
-        Unorm16 = "unorm16",
-        /// 24-bit normalised integer.
-        Unorm24 = "unorm24",
+        Unorm16 = "unorm16" => unorm(16, 2),
+        /// 24-bit normalised integer; a texel takes 32 bits.
+        Unorm24 = "unorm24" => unorm(24, 4),
         /// 32-bit normalised integer.
-        Unorm32 = "unorm32",
+        Unorm32 = "unorm32" => unorm(32, 4),
         /// IEEE half precision.
-        F16 = "f16",
+        F16 = "f16" => float(Code::Half, 11, 2),
         /// bfloat16: the upper half of a single-precision float.
-        Bf16 = "bf16",
+        Bf16 = "bf16" => float(Code::Brain, 8, 2),
         /// IEEE single precision.
-        F32 = "f32",
+        F32 = "f32" => float(Code::Single, 24, 4),
     }
 }
 
@@ -30,13 +60,22 @@ impl DepthFormat {
     #[must_use]
     #[inline(always)]
     pub const fn unorm_max(self) -> Option<u32> {
-        match self {
-            Self::Unorm8 => Some(0xff),
-            Self::Unorm16 => Some(0xffff),
-            Self::Unorm24 => Some(0xff_ffff),
-            Self::Unorm32 => Some(u32::MAX),
-            Self::F16 | Self::Bf16 | Self::F32 => None,
+        match self.row().code {
+            Code::Unorm(max) => Some(max),
+            Code::Half | Code::Brain | Code::Single => None,
         }
+    }
+
+    /// Significant bits as APIs count them: of an integer all, of a float with the implicit one.
+    #[must_use]
+    pub const fn significant_bits(self) -> u32 {
+        self.row().significant
+    }
+
+    /// Bytes of a texel as graphics memory and raw files keep it.
+    #[must_use]
+    pub const fn bytes(self) -> u32 {
+        self.row().bytes
     }
 
     /// Nearest code of a window depth, clamped to [0, 1] (NaN stores 0). Codes are monotone in the
@@ -51,11 +90,11 @@ impl DepthFormat {
     #[inline(always)]
     pub fn encode_with(self, store: UnormStore, depth: f32) -> u32 {
         let clamped = if depth.is_nan() { 0.0 } else { depth.clamp(0.0, 1.0) + 0.0 };
-        match (self, self.unorm_max()) {
-            (_, Some(max)) => store.code(depth, max),
-            (Self::F16, None) => u32::from(half::f16::from_f32(clamped).to_bits()),
-            (Self::Bf16, None) => u32::from(half::bf16::from_f32(clamped).to_bits()),
-            (_, None) => clamped.to_bits(),
+        match self.row().code {
+            Code::Unorm(max) => store.code(depth, max),
+            Code::Half => u32::from(half::f16::from_f32(clamped).to_bits()),
+            Code::Brain => u32::from(half::bf16::from_f32(clamped).to_bits()),
+            Code::Single => clamped.to_bits(),
         }
     }
 
@@ -69,11 +108,11 @@ impl DepthFormat {
     #[must_use]
     #[inline(always)]
     pub fn decode_with(self, load: UnormLoad, code: u32) -> f32 {
-        match (self, self.unorm_max()) {
-            (_, Some(max)) => load.value(code, max),
-            (Self::F16, None) => half::f16::from_bits(code as u16).to_f32(),
-            (Self::Bf16, None) => half::bf16::from_bits(code as u16).to_f32(),
-            (_, None) => f32::from_bits(code),
+        match self.row().code {
+            Code::Unorm(max) => load.value(code, max),
+            Code::Half => half::f16::from_bits(code as u16).to_f32(),
+            Code::Brain => half::bf16::from_bits(code as u16).to_f32(),
+            Code::Single => f32::from_bits(code),
         }
     }
 
@@ -81,23 +120,15 @@ impl DepthFormat {
     /// widest spacing; 0 for f32, which depths are given in.
     #[must_use]
     pub fn worst_error(self) -> f64 {
-        match self {
-            Self::F32 => 0.0,
-            Self::Unorm8
-            | Self::Unorm16
-            | Self::Unorm24
-            | Self::Unorm32
-            | Self::F16
-            | Self::Bf16 => self.quantum(0.5) / 2.0,
-        }
+        if self == Self::F32 { 0.0 } else { self.quantum(0.5) / 2.0 }
     }
 
     /// Spacing of the format's values at `depth` ∈ [0, 1], in window depth.
     #[must_use]
     pub fn quantum(self, depth: f32) -> f64 {
-        match (self, self.unorm_max()) {
-            (_, Some(max)) => 1.0 / f64::from(max),
-            (_, None) => {
+        match self.unorm_max() {
+            Some(max) => 1.0 / f64::from(max),
+            None => {
                 let code = self.encode(depth);
                 (f64::from(self.decode(code + 1)) - f64::from(self.decode(code))).abs()
             }
@@ -132,7 +163,7 @@ impl FormatTrip {
             Some(max) if self.load == UnormLoad::Divide => {
                 F::from_real(f64::from(code) / f64::from(max))
             }
-            _ => F::from_depth(self.format.decode_with(self.load, code)),
+            Some(_) | None => F::from_depth(self.format.decode_with(self.load, code)),
         }
     }
 

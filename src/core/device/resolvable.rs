@@ -4,17 +4,6 @@ use super::{Device, OffsetUnit};
 use crate::depth::DepthFormat;
 use crate::num::exp2;
 
-/// Significant bits of a format as APIs count them: of an integer all, of a float with the implicit one.
-const fn significant_bits(format: DepthFormat) -> i32 {
-    match format {
-        DepthFormat::Unorm8 | DepthFormat::Bf16 => 8,
-        DepthFormat::F16 => 11,
-        DepthFormat::Unorm16 => 16,
-        DepthFormat::Unorm24 | DepthFormat::F32 => 24,
-        DepthFormat::Unorm32 => 32,
-    }
-}
-
 /// 2^(e−23) of a depth with exponent e; 0 for 0.
 fn exponent_unit(depth: f32) -> f32 {
     let exponent = (depth.to_bits() >> 23 & 0xff) as i32 - 127;
@@ -28,7 +17,7 @@ impl Device {
     #[must_use]
     pub fn resolvable(&self, format: DepthFormat, depth: f32) -> f32 {
         let format = self.depth_format(format);
-        let exact = exp2(-significant_bits(format)) as f32;
+        let exact = exp2(-(format.significant_bits() as i32)) as f32;
         match (self.offset_unit, format.unorm_max()) {
             (OffsetUnit::One, _) => 1.0,
             (OffsetUnit::ForceUnorm, _) => exact,

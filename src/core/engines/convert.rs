@@ -1,6 +1,6 @@
 //! One bias in every unit: window depth to a strategy's amount at a place, and back.
 
-use crate::shadow::bias::{NormalWeight, Strategy, UNREAL_SLOPE};
+use crate::shadow::bias::{Follow, Layers, NormalMove, Recipe, Strategy};
 
 /// Where a bias is converted: its worth depends on the distance, the slope and the map. f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,45 +89,57 @@ impl Place {
         (0.0..=1.0).contains(&bias).then_some(bias)
     }
 
-    /// What one unit of a strategy lifts. A normal offset d lifts d/cos θ along the light (it moves
-    /// the look-up sideways too), one without its component along the light d·sin θ·tan θ.
+    /// What one unit of a strategy lifts, read off its recipe. A normal offset d lifts d/cos θ along the
+    /// light (it moves the look-up sideways too), one without its component along the light d·sin θ·tan θ.
     fn lever(&self, strategy: Strategy) -> Option<Lever> {
-        let normal = |weight: NormalWeight, unit: f64| {
-            Some(Lever::World(weight.at(self.cosine) * unit / self.cosine))
-        };
-        let sine = f64::sqrt(1.0 - self.cosine * self.cosine);
-        let texel = self.texel_world;
-        let tangent = (sine / self.cosine).min(1.0);
-        let root2 = std::f64::consts::SQRT_2;
-        use NormalWeight::{Blender, One, OneMinusCos, Sin};
-        match strategy {
-            Strategy::Constant => Some(Lever::Window(1.0)),
-            Strategy::FormatSteps => Some(Lever::Window(self.step)),
-            Strategy::RasterUnits => Some(Lever::Window(self.unit)),
-            Strategy::SlopeRaster => {
-                Some(Lever::Slope { slope: self.caster_slope, unit: self.unit })
-            }
-            Strategy::ReceiverSlope => Some(Lever::Window(self.slope)),
-            Strategy::RasterPlaycanvas => {
-                Some(Lever::Window(10.0 * (self.caster_slope + self.unit)))
-            }
-            Strategy::World | Strategy::LightOffset | Strategy::Adaptive => Some(Lever::World(1.0)),
-            Strategy::Texels | Strategy::CasterLight => Some(Lever::World(texel)),
-            Strategy::NormalOffset => normal(One, 1.0),
-            Strategy::NormalBevy => normal(One, root2 * texel),
-            Strategy::NormalHdrp => normal(One, texel),
-            Strategy::NormalFilament => normal(Sin, texel / 2.0),
-            Strategy::NormalBlender => normal(Blender, root2 * texel),
-            Strategy::NormalGodot => normal(OneMinusCos, texel * sine * sine),
-            Strategy::NormalCesium => normal(OneMinusCos, 1.0),
-            Strategy::CasterUnity => normal(Sin, texel),
-            Strategy::CasterUrp => normal(OneMinusCos, texel),
-            Strategy::CasterBabylon => normal(Sin, 1.0),
-            Strategy::CasterUnreal => {
-                Some(Lever::World(texel / 4.0 * (1.0 + UNREAL_SLOPE * tangent)))
-            }
-            _ => None,
+        let (none, one) = (strategy.at(0.0), strategy.at(1.0));
+        let sized = matches!(one.follow, Follow::Receiver | Follow::NearerOfCentre)
+            && one.layers == Layers::Nearest
+            && one.oriented == 0.0
+            && one.rule.is_none();
+        if !sized || none == one {
+            return None;
         }
+        let lifts = self.lifts(&one);
+        Some(match (self.offset(&one, &none), self.window_depth(&one)) {
+            (Some(slope), _) => {
+                Lever::Slope { slope, unit: f64::from(none.polygon.units) * self.unit }
+            }
+            (None, Some(window)) => Lever::Window(window),
+            (None, None) => Lever::World(lifts),
+        })
+    }
+
+    /// What one unit of a polygon offset adds, window depth. The larger of factor and units is taken out,
+    /// so that equal ones round once.
+    fn offset(&self, one: &Recipe, none: &Recipe) -> Option<f64> {
+        let factor = f64::from(one.polygon.factor);
+        let units = f64::from(one.polygon.units) - f64::from(none.polygon.units);
+        let larger = factor.max(units);
+        let part = |share: f64, of: f64| if share == 0.0 { 0.0 } else { share / larger * of };
+        (larger > 0.0).then(|| larger * (part(factor, self.caster_slope) + part(units, self.unit)))
+    }
+
+    /// What a bias in window depth, steps or slopes adds.
+    fn window_depth(&self, one: &Recipe) -> Option<f64> {
+        let terms = [(one.window, 1.0), (one.steps, self.step), (one.slope, self.slope)];
+        let term = terms.into_iter().find(|(amount, _)| *amount != 0.0);
+        term.map(|(amount, size)| f64::from(amount) * size)
+    }
+
+    /// How far a bias in lengths lifts, world units along the light.
+    fn lifts(&self, one: &Recipe) -> f64 {
+        let sine = f64::sqrt(1.0 - self.cosine * self.cosine);
+        let along = |normal: &NormalMove| {
+            let unit = normal.amount * if normal.in_texels { self.texel_world } else { 1.0 };
+            let unit = if normal.sideways { unit * sine * sine } else { unit };
+            normal.weight.at(self.cosine) * unit / self.cosine
+        };
+        let tangent = (sine / self.cosine).min(1.0);
+        let away = (one.caster_light + one.caster_light_texels * self.texel_world)
+            * (1.0 + one.caster_light_slope * tangent);
+        let tap = f64::from(one.world) + f64::from(one.texels) * self.texel_world;
+        along(&one.normal) + along(&one.caster_normal) + one.light + away + tap
     }
 }
 

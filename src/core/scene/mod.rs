@@ -1,7 +1,10 @@
 //! Scenes and cases: objects, light, camera and the pipeline that a case fixes.
 
+mod builder;
 pub mod cases;
 pub mod chain;
+mod disk;
+pub mod filter;
 pub mod matrix;
 pub mod pipeline;
 pub mod shapes;
@@ -10,9 +13,11 @@ pub mod texel;
 use crate::camera::Camera;
 use crate::device::DeviceProfile;
 use crate::light::{Layout, Light, Map};
+pub use builder::{CaseBuilder, LARGEST_SIDE};
 pub use chain::{Matrices, MatrixChain, Stages};
+pub use filter::{Filter, Kernel};
 use glam::{DVec3, Mat4, Vec3};
-pub use pipeline::{CompareRule, CoordForm, Cull, Filter, LookupSpec, MapSpec, Wrap};
+pub use pipeline::{CompareRule, CoordForm, Cull, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;
 pub use texel::{DepthBuffer, TexelFormat};
 

@@ -1,5 +1,6 @@
 //! The words in which a case fixes its pipeline: how it transforms, draws, stores and compares.
 
+use super::filter::Filter;
 use super::texel::{DepthBuffer, TexelFormat};
 use crate::depth::DepthFormat;
 use crate::view::{ClipRange, ClipSpace};
@@ -95,72 +96,7 @@ impl CompareRule {
     pub const fn bias_sign(self) -> f32 {
         match self {
             Self::StoredAtMost => -1.0,
-            _ => 1.0,
-        }
-    }
-}
-
-crate::catalogue! {
-    /// Which texels a look-up reads.
-    pub enum Filter {
-        /// The one texel under the coordinate.
-        Nearest = "nearest",
-        /// Four texels, weighted: bytes of a packed texture are mixed before they are decoded.
-        Linear = "linear",
-        /// 3×3 NEAREST comparisons, averaged.
-        Pcf3 = "pcf3x3",
-        /// Four comparisons, weighted by where the coordinate lies between the texel centres.
-        Bilinear = "bilinear",
-        /// 5×5 NEAREST comparisons, averaged.
-        Pcf5 = "pcf5x5",
-        /// 7×7 NEAREST comparisons, averaged.
-        Pcf7 = "pcf7x7",
-        /// 9×9 NEAREST comparisons, averaged.
-        Pcf9 = "pcf9x9",
-        /// 3×3 bilinear comparisons, averaged.
-        Pcf3Bilinear = "pcf3x3-bilinear",
-        /// Sixteen NEAREST comparisons on a Poisson disk of 2 texels, not rotated.
-        Poisson16 = "poisson16",
-        /// Sixteen NEAREST comparisons on a Vogel disk of 2 texels, not rotated.
-        Vogel16 = "vogel16",
-        /// Five bilinear comparisons on a Vogel disk of 1 texel, not rotated (three.js since r182
-        /// turns it by a noise of the pixel).
-        Vogel5Bilinear = "vogel5-bilinear",
-    }
-}
-
-impl Filter {
-    /// How far from the coordinate, in texels along one axis, the farthest point lies at which a
-    /// look-up may compare against the depth of a texel's centre: the half-width h of
-    /// b* = h·s·|g|₁. Exact for square kernels, a bound for disks.
-    #[must_use]
-    pub const fn half_width(self) -> f64 {
-        match self {
-            Self::Nearest => 0.5,
-            Self::Linear | Self::Bilinear => 1.0,
-            Self::Pcf3 => 1.5,
-            Self::Pcf5 => 2.5,
-            Self::Pcf7 => 3.5,
-            Self::Pcf9 => 4.5,
-            Self::Pcf3Bilinear => 2.0,
-            Self::Poisson16 | Self::Vogel16 => 2.5,
-            Self::Vogel5Bilinear => 1.0 + 0.948_683_3,
-        }
-    }
-
-    /// Texels that one look-up reads.
-    #[must_use]
-    pub const fn fetches(self) -> u32 {
-        match self {
-            Self::Nearest => 1,
-            Self::Linear | Self::Bilinear => 4,
-            Self::Pcf3 => 9,
-            Self::Pcf5 => 25,
-            Self::Pcf7 => 49,
-            Self::Pcf9 => 81,
-            Self::Pcf3Bilinear => 36,
-            Self::Poisson16 | Self::Vogel16 => 16,
-            Self::Vogel5Bilinear => 20,
+            Self::ReceiverBeyond | Self::NotStoredBeyond | Self::NotReceiverBefore => 1.0,
         }
     }
 }

@@ -65,10 +65,8 @@ impl TexelFormat {
     #[must_use]
     pub const fn bytes(self) -> u32 {
         match self {
-            Self::Depth(DepthFormat::Unorm8) => 1,
-            Self::Depth(DepthFormat::Unorm16 | DepthFormat::F16 | DepthFormat::Bf16) => 2,
-            Self::Depth(DepthFormat::Unorm24 | DepthFormat::Unorm32 | DepthFormat::F32)
-            | Self::Packed(_) => 4,
+            Self::Depth(format) => format.bytes(),
+            Self::Packed(_) => 4,
         }
     }
 
@@ -134,9 +132,7 @@ impl TexelFormat {
     /// that they are read NEAREST instead.
     #[must_use]
     pub fn usable(self, filter: Filter) -> Filter {
-        match (filter, self) {
-            (Filter::Linear, Self::Depth(_)) => Filter::Nearest,
-            _ => filter,
-        }
+        let unread = filter == Filter::Linear && !self.is_packed();
+        if unread { Filter::Nearest } else { filter }
     }
 }

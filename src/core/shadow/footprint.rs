@@ -1,9 +1,10 @@
 //! The texels under a look-up, before any of them is read: positions, weights, offsets.
 
-use super::place::{Place, Shape, WIDEST, shape};
+use super::place::Place;
 use super::sampler;
 use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
+use crate::scene::filter::{Kernel, WIDEST};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -78,11 +79,11 @@ impl Footprints {
     /// None yet.
     #[must_use]
     pub fn new(sampling: Sampling, with_offsets: bool) -> Self {
-        let each = match shape(sampling.filter) {
-            Shape::Points(points) => Some(points.len()),
-            Shape::Square(n) => Some(n * n),
-            Shape::Mix => Some(4),
-            Shape::Bilinear(_) => None,
+        let each = match sampling.filter.kernel() {
+            Kernel::Points { points, .. } => Some(points().len()),
+            Kernel::Square(n) => Some(n * n),
+            Kernel::Mix => Some(4),
+            Kernel::Bilinear { .. } => None,
         };
         let (texels, weights, offsets, mixed) = Default::default();
         Self { sampling, with_offsets, each, starts: vec![0], texels, weights, offsets, mixed }
@@ -196,27 +197,32 @@ impl Footprints {
     }
 
     fn place(&mut self, at: &Place<'_>) {
-        match shape(self.sampling.filter) {
-            Shape::Points(points) => self.texels.extend(points.iter().map(|&p| at.nearest(p))),
-            Shape::Square(n) => self.square(at, n),
-            Shape::Bilinear(points) => self.bilinear(at, points),
-            Shape::Mix => self.mix(at),
+        match self.sampling.filter.kernel() {
+            Kernel::Points { points, .. } => {
+                self.texels.extend(points().iter().map(|&p| at.nearest(p)));
+            }
+            Kernel::Square(n) => self.square(at, n),
+            Kernel::Bilinear { points, .. } => self.bilinear(at, points()),
+            Kernel::Mix => self.mix(at),
         }
     }
 
     fn place_offsets(&mut self, at: &Place<'_>) {
-        match shape(self.sampling.filter) {
-            Shape::Points(points) => self.offsets.extend(points.iter().map(|&p| at.offset(p))),
-            Shape::Square(n) => {
+        match self.sampling.filter.kernel() {
+            Kernel::Points { points, .. } => {
+                self.offsets.extend(points().iter().map(|&p| at.offset(p)));
+            }
+            Kernel::Square(n) => {
                 let half = n as i32 / 2;
                 let row = |y: i32| (-half..=half).map(move |x| [x as f32, y as f32]);
                 self.offsets.extend((-half..=half).flat_map(row).map(|p| at.offset(p)));
             }
-            Shape::Bilinear(points) => {
+            Kernel::Bilinear { points, .. } => {
+                let points = points();
                 let around = points.iter().flat_map(|&p| at.around(p));
                 self.offsets.extend(around.filter(|near| near.weight > 0.0).map(|n| n.offset));
             }
-            Shape::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
+            Kernel::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
         }
     }
 

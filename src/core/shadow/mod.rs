@@ -2,7 +2,6 @@
 
 pub mod bias;
 mod decode;
-mod disk;
 mod encode;
 mod few;
 mod filter;

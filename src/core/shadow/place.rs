@@ -1,41 +1,8 @@
-//! What a filter compares, and which texels lie there.
+//! Which texels lie where a filter compares.
 
-use super::disk::{poisson16, vogel5, vogel16};
 use super::sampler;
 use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
-use crate::scene::Filter;
-
-/// What a filter compares, points in texels around the coordinate.
-pub(super) enum Shape {
-    /// The texels under each point.
-    Points(&'static [[f32; 2]]),
-    /// The texels under n×n points one texel apart.
-    Square(usize),
-    /// The four texels around each point, by their distance.
-    Bilinear(&'static [[f32; 2]]),
-    /// One depth made of four texels.
-    Mix,
-}
-
-/// The widest square.
-pub(super) const WIDEST: usize = 9;
-
-pub(super) fn shape(filter: Filter) -> Shape {
-    match filter {
-        Filter::Nearest => Shape::Points(&[[0.0; 2]]),
-        Filter::Linear => Shape::Mix,
-        Filter::Pcf3 => Shape::Square(3),
-        Filter::Pcf5 => Shape::Square(5),
-        Filter::Pcf7 => Shape::Square(7),
-        Filter::Pcf9 => Shape::Square(WIDEST),
-        Filter::Bilinear => Shape::Bilinear(&[[0.0; 2]]),
-        Filter::Pcf3Bilinear => Shape::Bilinear(&GRID3),
-        Filter::Poisson16 => Shape::Points(poisson16()),
-        Filter::Vogel16 => Shape::Points(vogel16()),
-        Filter::Vogel5Bilinear => Shape::Bilinear(vogel5()),
-    }
-}
 
 /// Where a look-up happens.
 pub(super) struct Place<'s> {
@@ -142,16 +109,3 @@ impl<'s> Place<'s> {
         Between { texels: pair, fraction, centres: [from(low), from(low + 1.0)] }
     }
 }
-
-/// 3×3 offsets in texels around 0, row by row.
-const GRID3: [[f32; 2]; 9] = [
-    [-1.0, -1.0],
-    [0.0, -1.0],
-    [1.0, -1.0],
-    [-1.0, 0.0],
-    [0.0, 0.0],
-    [1.0, 0.0],
-    [-1.0, 1.0],
-    [0.0, 1.0],
-    [1.0, 1.0],
-];

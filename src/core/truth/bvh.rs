@@ -153,7 +153,7 @@ impl Tracer {
         let segment = self.segment(from, to);
         match segment.meet(id, &self.corners[id as usize]) {
             Meeting::Contact(contact) if contact.is_inside() => Some(contact.t),
-            _ => None,
+            Meeting::Miss | Meeting::Touching | Meeting::Contact(_) => None,
         }
     }
 

@@ -279,7 +279,7 @@ impl Plan {
             Journal::Ours(there) if there.token == self.token => {
                 layer.remove(&journal).map_err(|e| Error::write(journal, e))
             }
-            _ => Ok(()),
+            Journal::Absent | Journal::Ours(_) | Journal::Foreign(_) => Ok(()),
         }
     }
 }

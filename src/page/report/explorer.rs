@@ -284,7 +284,7 @@ impl Explorer {
             let wrong = view.wrong_taps(sample, value) as u64;
             let (samples, taps) = match view.truth[sample] {
                 Truth::Shadowed => &mut tally.false_light,
-                _ => &mut tally.false_shadow,
+                Truth::Lit | Truth::Apart => &mut tally.false_shadow,
             };
             *samples += u64::from(wrong > 0);
             *taps += wrong;

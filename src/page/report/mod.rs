@@ -234,10 +234,8 @@ impl Block {
     /// The block and all blocks inside it, in page order.
     #[must_use]
     pub fn flat(&self) -> Vec<&Self> {
-        match self {
-            Self::Row(blocks) => blocks.iter().flat_map(Self::flat).collect(),
-            _ => vec![self],
-        }
+        let Self::Row(blocks) = self else { return vec![self] };
+        blocks.iter().flat_map(Self::flat).collect()
     }
 }
 
@@ -304,7 +302,16 @@ impl Report {
             .filter_map(|block| match block {
                 Block::Table(table) => Some(table.clone()),
                 Block::HeatMap(map) => Some(map.to_table()),
-                _ => None,
+                Block::Text(_)
+                | Block::Plot(_)
+                | Block::Picture(_)
+                | Block::Gallery(_)
+                | Block::Row(_)
+                | Block::Code { .. }
+                | Block::Findings(_)
+                | Block::Exr(_)
+                | Block::Explorer(_)
+                | Block::Gpu(_) => None,
             })
             .collect()
     }

@@ -97,7 +97,9 @@ impl Cell {
             Self::Integer(value) => number::grouped(*value),
             Self::Number(value, digits) => number::pretty(*value, *digits),
             Self::Percent(value) => format!("{}\u{a0}%", number::pretty(*value * 100.0, 3)),
-            _ => self.to_text(),
+            Self::Text(_) | Self::Code(_) | Self::Link { .. } | Self::Class(..) | Self::Missing => {
+                self.to_text()
+            }
         }
     }
 

@@ -68,9 +68,9 @@ impl Report {
     fn check(&self) {
         assert!(self.results.get("schema").is_some(), "results of {} lack a schema", self.name);
         let sections = self.sections.iter().map(|section| section.id.as_str());
-        let findings = self.blocks().flat_map(|block| match block {
-            Block::Findings(findings) => findings.iter().map(|f| f.id.as_str()).collect(),
-            _ => vec![],
+        let findings = self.blocks().flat_map(|block| {
+            let Block::Findings(findings) = block else { return vec![] };
+            findings.iter().map(|f| f.id.as_str()).collect()
         });
         let mut ids: Vec<&str> =
             sections.chain(self.blocks().filter_map(Block::id)).chain(findings).collect();
@@ -87,17 +87,19 @@ impl Report {
     }
 
     fn figures(&self) -> BTreeMap<&str, Figure> {
-        let sized = |block| match block {
-            &Block::Row(_) => (block, Size::Half),
-            _ => (block, Size::Whole),
+        let sized = |block: &'_ Block| {
+            if matches!(block, Block::Row(_)) { Size::Half } else { Size::Whole }
         };
-        let blocks = self.sections.iter().flat_map(|section| &section.blocks).map(sized);
+        let blocks =
+            self.sections.iter().flat_map(|section| &section.blocks).map(|b| (b, sized(b)));
         let blocks =
             blocks.flat_map(|(block, size)| block.flat().into_iter().map(move |b| (b, size)));
         let named: Vec<_> = blocks.filter_map(|(b, size)| Some((b.id()?, b, size))).collect();
-        let figure = |(id, block, size): (_, &Block, _)| match block {
-            Block::Plot(plot) if self.vectors_only => (id, vector(id, plot, size)),
-            _ => (id, figure(id, block, size)),
+        let figure = |(id, block, size): (_, &Block, _)| {
+            if let (Block::Plot(plot), true) = (block, self.vectors_only) {
+                return (id, vector(id, plot, size));
+            }
+            (id, figure(id, block, size))
         };
         named.into_par_iter().map(figure).collect()
     }

@@ -210,11 +210,8 @@ fn measure(options: &CertifyOptions, progress: &(impl Fn() + Sync)) -> Measured 
 /// a format with more codes than most binades have floats.
 fn certify_format(format: DepthFormat, options: &CertifyOptions) -> Certificate {
     let quick = options.profile == Profile::Quick && !options.exhaustive;
-    let method = match format {
-        DepthFormat::F32 => Method::Sampled,
-        DepthFormat::Unorm32 if quick => Method::Sampled,
-        _ => Method::BreakPoints,
-    };
+    let sampled = format == DepthFormat::F32 || (quick && format == DepthFormat::Unorm32);
+    let method = if sampled { Method::Sampled } else { Method::BreakPoints };
     let trip = FormatTrip { format, store: UnormStore::Exact, load: UnormLoad::Divide };
     Certifier { method, level: Level::best() }.certify_format(trip)
 }

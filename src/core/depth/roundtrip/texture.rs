@@ -24,7 +24,9 @@ fn scale_and_rest<F: Raw>(load: UnormLoad) -> (F, F) {
     let exact = 1.0 / 255.0;
     let high = match load {
         UnormLoad::Reciprocal => f64::from(exact as f32),
-        _ => f64::from(f32::from_bits((exact as f32).to_bits() & !0xff)),
+        UnormLoad::Divide | UnormLoad::Half => {
+            f64::from(f32::from_bits((exact as f32).to_bits() & !0xff))
+        }
     };
     let rest = if load == UnormLoad::Reciprocal { 0.0 } else { (1.0 - 255.0 * high) / 255.0 };
     (F::from_real(high), F::from_real(rest))
@@ -35,7 +37,7 @@ impl<F: Raw> Texture<F> {
         let (scale, rest) = scale_and_rest(load);
         let value = |k: usize| match load {
             UnormLoad::Divide => F::from_real(k as f64 / 255.0),
-            _ => F::from_depth(load.value(k as u32, 255)),
+            UnormLoad::Reciprocal | UnormLoad::Half => F::from_depth(load.value(k as u32, 255)),
         };
         let half = if let ByteRounding::Floor { half } = rounding { half } else { 0.0 };
         Self {

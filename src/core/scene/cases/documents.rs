@@ -134,10 +134,7 @@ fn colour_case(c: ColourCase<'_>) -> Case {
 }
 
 fn book(packing: Packing, light_y: f64, slanted: bool) -> Case {
-    let (program, bias) = match packing {
-        Packing::R8 => ("r8", 0.005),
-        _ => ("rgba8", 0.0015),
-    };
+    let (program, bias) = if packing == Packing::R8 { ("r8", 0.005) } else { ("rgba8", 0.0015) };
     let pose = if slanted { "-slant" } else { "" };
     let mut case = colour_case(ColourCase {
         name: &format!("book-{program}-y{light_y}{pose}"),

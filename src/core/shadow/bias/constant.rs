@@ -65,11 +65,18 @@ impl Recipe {
     #[must_use]
     pub fn common_bias(&self) -> Option<f32> {
         let weighed = [self.world, self.texels, self.steps, self.slope];
-        (weighed == [0.0; 4]).then_some(self.window)
+        (weighed == [0.0; 4] && self.rule.is_none()).then_some(self.window)
     }
 
-    /// The bias of every tap of a receiver: window + Σ parameter·weight, each operation rounded to f32;
-    /// parameters of 0 add nothing. Monotone in every parameter.
+    /// The bias of every tap of a receiver: [`Self::tap_bias`] and its rule's, where it has one.
+    #[must_use]
+    pub fn bias(&self, weights: &Weights, site: impl FnOnce() -> Site) -> f32 {
+        let bias = self.tap_bias(weights);
+        self.rule.map_or(bias, |rule| bias + rule.bias(&site()))
+    }
+
+    /// The bias of every tap of a receiver but for a rule's: window + Σ parameter·weight, each operation
+    /// rounded to f32; parameters of 0 add nothing. Monotone in every parameter.
     #[must_use]
     pub fn tap_bias(&self, weights: &Weights) -> f32 {
         let mut bias = self.window;

@@ -47,11 +47,15 @@ pub struct NormalMove {
 
 impl Default for NormalMove {
     fn default() -> Self {
-        Self { amount: 0.0, weight: NormalWeight::One, in_texels: false, sideways: false }
+        Self::NONE
     }
 }
 
 impl NormalMove {
+    /// None.
+    pub const NONE: Self =
+        Self { amount: 0.0, weight: NormalWeight::One, in_texels: false, sideways: false };
+
     /// The move at a place, world units, f64.
     #[must_use]
     pub fn offset(&self, site: &Site) -> DVec3 {

@@ -20,6 +20,9 @@ pub struct PolygonOffset {
 }
 
 impl PolygonOffset {
+    /// None.
+    pub const NONE: Self = Self { factor: 0.0, units: 0.0, clamp: 0.0 };
+
     /// m·factor + r·units, clamped; each operation rounded to f32. A factor or unit count of 0 adds
     /// exactly 0 whatever m and r are, so that 0·∞ never arises.
     #[must_use]

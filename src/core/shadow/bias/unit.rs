@@ -25,6 +25,8 @@ crate::catalogue! {
         HalfTexels = "half texels",
         /// Quarters of a texel's edge.
         QuarterTexels = "quarter texels",
+        /// Clip-space depth before the division by w: window depth times w.
+        ClipDepth = "clip-space depth",
         /// Multiples of what the strategy does by itself.
         OwnMultiples = "multiples of its own",
     }

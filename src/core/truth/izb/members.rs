@@ -49,7 +49,9 @@ impl Members<'_> {
                 let members = &members[at..at + BATCH];
                 lanes(|k| &receivers[members[k] as usize])
             }
-            _ => lanes(|k| &receivers[self.index(at + k.min(count - 1))]),
+            Self::All(_) | Self::Some(_) => {
+                lanes(|k| &receivers[self.index(at + k.min(count - 1))])
+            }
         }
     }
 }

@@ -198,7 +198,7 @@ impl Measured {
             Meeting::Contact(contact) if contact.is_inside() => {
                 self.met.push(Met { receiver, triangle, t: contact.t });
             }
-            _ => self.open.push(receiver),
+            Meeting::Miss | Meeting::Touching | Meeting::Contact(_) => self.open.push(receiver),
         }
     }
 }

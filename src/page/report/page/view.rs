@@ -218,7 +218,15 @@ fn without_files(block: &Block) -> Content {
             Content::Findings { findings: findings.iter().map(FindingView::new).collect() }
         }
         Block::Text(text) => Content::Text { text: text.clone() },
-        _ => unreachable!("every block with an id has a figure"),
+        Block::Table(_)
+        | Block::Plot(_)
+        | Block::HeatMap(_)
+        | Block::Picture(_)
+        | Block::Gallery(_)
+        | Block::Row(_)
+        | Block::Exr(_)
+        | Block::Explorer(_)
+        | Block::Gpu(_) => unreachable!("every block with an id has a figure"),
     }
 }
 
@@ -243,7 +251,11 @@ fn with_files(block: &Block, figure: &Figure) -> Content {
             names: image.names().join(" "),
             metadata: image.metadata.to_string(),
         },
-        _ => unreachable!("only these blocks have files"),
+        Block::Text(_)
+        | Block::Gallery(_)
+        | Block::Row(_)
+        | Block::Code { .. }
+        | Block::Findings(_) => unreachable!("only the others have files"),
     }
 }
 
@@ -281,8 +293,10 @@ impl CellView {
             Cell::Link { to, .. } => ("link", to.clone(), String::new()),
             Cell::Class(colour, _) => ("class", String::new(), colour.css()),
             Cell::Missing => ("missing", String::new(), String::new()),
-            _ if cell.is_numeric() => ("number", String::new(), String::new()),
-            _ => ("text", String::new(), String::new()),
+            Cell::Text(_) => ("text", String::new(), String::new()),
+            Cell::Integer(_) | Cell::Number(..) | Cell::Percent(_) => {
+                ("number", String::new(), String::new())
+            }
         };
         let exact = if cell.is_numeric() { cell.to_csv() } else { String::new() };
         Self { kind, text: cell.to_page(), exact, to, colour }

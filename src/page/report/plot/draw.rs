@@ -191,7 +191,9 @@ impl<'a> Figure<'a> {
                     Style::Bar => {
                         chart.draw_series(LineSeries::new(part, style.stroke_width(BAR)))?
                     }
-                    _ => chart.draw_series(LineSeries::new(part, style))?,
+                    Style::Line | Style::Steps | Style::Points => {
+                        chart.draw_series(LineSeries::new(part, style))?
+                    }
                 };
             }
         }
@@ -209,9 +211,9 @@ impl<'a> Figure<'a> {
             (self.x.low..=self.x.high).contains(x) && (self.y.low..=self.y.high).contains(y)
         };
         let placed = series.points.iter().map(|(x, y)| self.x.place(*x).zip(self.y.place(*y)));
-        let placed: Vec<_> = match series.style {
-            Style::Points => placed.map(|p| p.filter(inside)).collect(),
-            _ => placed.collect(),
+        let placed: Vec<_> = match series.style == Style::Points {
+            true => placed.map(|p| p.filter(inside)).collect(),
+            false => placed.collect(),
         };
         let runs = placed.split(Option::is_none).filter(|run| !run.is_empty());
         runs.map(|run| run.iter().flatten().copied().collect()).collect()

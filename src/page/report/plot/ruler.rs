@@ -207,7 +207,7 @@ fn padded(scale: Scale, (low, high): (f64, f64), exact: bool) -> (f64, f64) {
     if high - low <= tiny {
         let half = match scale {
             Scale::Linear if low != 0.0 => low.abs() * 0.5,
-            _ => 0.5,
+            Scale::Linear | Scale::Log | Scale::SymLog { .. } => 0.5,
         };
         return (low - half, high + half);
     }

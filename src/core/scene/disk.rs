@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 /// Radius of the disks of sixteen, in texels.
-const DISK: f64 = 2.0;
+pub(super) const DISK: f64 = 2.0;
 
 /// Vogel's disk: point i of n at radius √((i + ½)/n) and i golden angles.
 fn vogel(n: u32, radius: f64) -> Vec<[f32; 2]> {
