@@ -21,6 +21,7 @@ pub use report::{Request, report};
 
 /// What comes of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Found {
     /// The smallest value that meets the target, in the engine's unit.
     Set(f64),
@@ -36,6 +37,7 @@ pub enum Found {
 
 /// One parameter and what comes of it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Tuned {
     /// The parameter.
     pub knob: Knob,
