@@ -189,7 +189,7 @@ pub struct Tuning {
 ///
 /// let case = cases::named("book-r8-y7")?;
 /// let field = Field::new(&case, 8); // every eighth pixel, both ways
-/// let tuning = tune::tune(&field, Engine::ThreeJs, 0.001);
+/// let tuning = tune::tune(&field, Engine::Vulkan, 0.001);
 /// let best = tuning.best().expect("some parameter ends acne");
 /// let Found::Set(value) = best.found else { panic!("this scene needs a bias") };
 /// println!("{}", tuning.engine.line(&best.knob, value));
