@@ -9,19 +9,16 @@ use rayon::prelude::*;
 /// Side of the square in pixels.
 const SIDE: u32 = 16;
 
-/// A small generator of uniform numbers (splitmix64, Steele and others 2014).
-struct Random(u64);
+/// Seeded random numbers.
+struct Random(fastrand::Rng);
 
 impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+    fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
     }
 
     fn below(&mut self, limit: u64) -> u64 {
-        self.next() % limit
+        self.0.u64(..limit)
     }
 
     /// In [−1, 1]: on a pixel's centre or corner, on a sub-pixel, beside a centre, or anywhere.
@@ -56,7 +53,7 @@ fn point((edge, t): (u64, f32)) -> Vec4 {
 
 /// Pixels that a random fan misses or doubles.
 fn faults(seed: u64) -> u32 {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let device = DeviceProfile::ALL[seed as usize % DeviceProfile::ALL.len()].device();
     let centre = Vec4::new(random.coordinate(), random.coordinate(), 0.0, 1.0);
     let spokes = 3 + random.below(8);

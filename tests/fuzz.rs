@@ -99,7 +99,7 @@ impl Seen {
 /// Mutants of a reader's corpus from a seed.
 fn stress(reader: Reader, seed: u64, executions: u64) -> Seen {
     note_panics();
-    let (corpus, mut random) = (corpus(reader.0), Random(seed));
+    let (corpus, mut random) = (corpus(reader.0), Random::new(seed));
     let mut seen = Seen::default();
     (0..executions).for_each(|_| seen.feed(reader, &mutant(&corpus, &mut random)));
     seen

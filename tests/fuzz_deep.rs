@@ -51,7 +51,7 @@ fn refused(error: &Error) -> Stage {
 
 /// A scene end to end; counts add up and no number of the results is missing.
 fn scene(seed: u64) -> Stage {
-    let scenes::Scene { extension, bytes, toml } = scenes::scene(&mut Random(seed));
+    let scenes::Scene { extension, bytes, toml } = scenes::scene(&mut Random::new(seed));
     let path = PathBuf::from(format!("absent/fuzz.{extension}"));
     let read = || -> Result<_> {
         let loaded = parse(&path, &bytes, &Limits::default())?;
@@ -85,7 +85,7 @@ fn scene(seed: u64) -> Stage {
 
 /// A map file of one of our kinds, looked up by a small case.
 fn map(seed: u64, folder: &Path) -> Stage {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (extension, bytes) = match seed % 3 {
         0 => ("png", files::png(&mut random)),
         1 => ("exr", files::exr(&mut random)),
@@ -121,7 +121,7 @@ fn map(seed: u64, folder: &Path) -> Stage {
 
 /// A file of the kinds that the shallow readers take, which assert for themselves.
 fn small(seed: u64) -> Stage {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     match seed % 4 {
         0 => readers::device_json_file(&files::device(&mut random)),
         1 => readers::packing_toml(&files::packing(&mut random)),

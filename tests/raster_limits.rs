@@ -29,7 +29,7 @@ fn between(random: &mut Random, low: f64, high: f64) -> f64 {
 fn no_order_of_triangles_or_vertices_changes_a_depth() {
     const ORDERS: [[usize; 3]; 6] =
         [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let clip: Vec<Vec4> = (0..60)
         .map(|_| {
             let w = between(&mut random, 0.5, 4.0);
@@ -123,7 +123,7 @@ const SNAP: f64 = 1.0 / 128.0;
 /// visible of them, and no depth is NaN.
 #[test]
 fn nothing_is_drawn_outside_a_clipped_triangle() {
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     let (mut crossing, mut covered) = (0, 0);
     while crossing < 100_000 {
         let corners = [0; 3].map(|_| corner(&mut random));
@@ -150,7 +150,7 @@ fn nothing_is_drawn_outside_a_clipped_triangle() {
 /// none twice.
 #[test]
 fn clipped_neighbours_have_no_crack() {
-    let mut random = Random(14);
+    let mut random = Random::new(14);
     let (mut pairs, mut along) = (0, 0);
     while pairs < 20_000 {
         let [a, b, c, d] = [0; 4].map(|_| corner(&mut random));
@@ -203,7 +203,7 @@ fn farthest(points: &[DVec2]) -> [DVec2; 2] {
 fn the_largest_map_is_covered_to_the_texel() {
     let device = DeviceProfile::Ideal.device();
     let size = [1u32 << 16; 2];
-    let mut random = Random(14);
+    let mut random = Random::new(14);
     for reach in [1.0f32, 1.000_001, 2.0, 1e6, 1e30] {
         let at = |x: f32, y: f32| Vec4::new(x * reach, y * reach, 0.0, 1.0);
         let [p, q, r, s] = [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];

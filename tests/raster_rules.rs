@@ -74,7 +74,7 @@ fn triangle(random: &mut Random) -> [Point; 3] {
 
 /// R10: differing pixels of random triangles, and covered ones.
 fn coverage(count: usize, seed: u64) -> (usize, usize) {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut differing, mut covered) = (0, 0);
     for _ in 0..count {
         let corners = triangle(&mut random);
@@ -167,7 +167,7 @@ fn rotated_quads_neither_overlap_nor_leave_holes() {
 /// R12: the largest error of stored depths against the rational plane through the snapped triangle,
 /// in ulps of f32 and in quanta of 16 bits, over so many samples.
 fn depth_errors(samples: usize, seed: u64) -> (f64, f64) {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let device = DeviceProfile::Ideal.device();
     let (mut seen, mut ulps, mut quanta) = (0, 0.0f64, 0.0f64);
     while seen < samples {

@@ -100,7 +100,7 @@ fn passes() -> Vec<Pass> {
 
 #[test]
 fn every_device_format_offset_and_culling() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let mut covered = 0;
     for &profile in DeviceProfile::ALL {
         for pass in passes() {
@@ -117,7 +117,7 @@ fn every_device_format_offset_and_culling() {
 
 #[test]
 fn levels_threads_and_memory_used_again() {
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     let device = DeviceProfile::Ideal.device();
     let (clip, triangles) = soup(6_000, &mut random);
     let pass = Pass {
@@ -145,7 +145,7 @@ fn levels_threads_and_memory_used_again() {
 /// Finer grids than the integers of the fast path hold are drawn all the same.
 #[test]
 fn fine_grids_and_coarse_ones() {
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     let (clip, triangles) = soup(200, &mut random);
     let pass = passes()[3];
     for subpixel_bits in [1, 4, 7, 8, 9, 12] {

@@ -102,11 +102,9 @@ impl Trial<'_> {
     }
 }
 
-fn signalled(each: u32, mut seed: u64) -> Tally {
-    let mut random = move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 33) as f64 / f64::from(1u32 << 31)
-    };
+fn signalled(each: u32, seed: u64) -> Tally {
+    let mut generator = fastrand::Rng::with_seed(seed);
+    let mut random = move || generator.f64();
     let mut tally = Tally::default();
     for (program, arguments) in programs() {
         let scratch = tempfile::tempdir().unwrap();

@@ -18,7 +18,7 @@ use verdicts::{FAR, check, lattice_scene, leaks, look, sphere_shadows};
 /// R16.
 #[test]
 fn closed_meshes_far_from_the_origin_never_leak() {
-    let mut random = Random(16);
+    let mut random = Random::new(16);
     assert_eq!(leaks(&icosphere(4, FAR, 1.0), FAR, 60_000, &mut random), 0, "icosphere");
     assert_eq!(leaks(&cube(8, FAR, 1.0), FAR, 40_000, &mut random), 0, "cube");
 }
@@ -29,7 +29,7 @@ fn a_hole_leaks() {
     let mut mesh = icosphere(2, FAR, 1.0);
     mesh.triangles.truncate(mesh.triangles.len() - 4);
     mesh.object.truncate(mesh.triangles.len());
-    assert!(leaks(&mesh, FAR, 20_000, &mut Random(16)) > 0);
+    assert!(leaks(&mesh, FAR, 20_000, &mut Random::new(16)) > 0);
 }
 
 proptest! {
@@ -39,7 +39,7 @@ proptest! {
     /// integers, the occluders at both ends too.
     #[test]
     fn verdicts_equal_integers(seed: u64, half in 2_i64..40) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let scene = lattice_scene(&mut random, half);
         let tracer = Tracer::new(&scene);
         for _ in 0..24 {
@@ -56,7 +56,7 @@ proptest! {
     /// R20: the tree answers as the test of every triangle, bit for bit.
     #[test]
     fn the_tree_equals_brute_force(seed: u64, count in 16_usize..200, offset in -1e6..1e6_f64) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let size = random.unit() * random.unit() + 1e-3;
         let mut points = Vec::new();
         for _ in 0..count {
@@ -89,7 +89,7 @@ proptest! {
     /// Scaling the world by a power of two changes no verdict and scales the gaps exactly.
     #[test]
     fn scale_changes_nothing(seed: u64, exponent in prop::sample::select(vec![-100, -20, -7, 1, 7, 20, 100])) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let factor = f64::from_bits(((1023 + exponent) as u64) << 52);
         let scene = still_life(1);
         let mut big = scene.clone();
@@ -113,7 +113,7 @@ proptest! {
 /// R18: lattice scenes do reach edges and vertices, so that the property above has teeth.
 #[test]
 fn lattice_scenes_are_degenerate_enough() {
-    let mut random = Random(18);
+    let mut random = Random::new(18);
     let (mut marginal, mut shadowed) = (0, 0);
     for _ in 0..300 {
         let scene = lattice_scene(&mut random, 6);
@@ -145,7 +145,7 @@ fn receivers_on_a_convex_surface_are_lit_or_behind_it() {
     let mesh = icosphere(4, FAR, 1.0);
     let tracer = Tracer::new(&mesh);
     let light = FAR + DVec3::new(3.0, 5.0, 2.0);
-    let mut random = Random(20);
+    let mut random = Random::new(20);
     let mut touching = 0;
     for _ in 0..50_000 {
         let id = random.index(mesh.triangles.len()) as u32;

@@ -74,7 +74,7 @@ proptest! {
 
     #[test]
     fn soups(seed: u64, count in 1_usize..120, offset in prop::sample::select(vec![0.0, 1.0, 1e3, 1e5])) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let scene = soup(count, offset, &mut random);
         let receivers = receivers(&scene, 200, &mut random);
         for light in lights(&scene, &mut random) {
@@ -85,7 +85,7 @@ proptest! {
 
     #[test]
     fn still_lives(seed: u64) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let scene = still_life(1);
         let receivers = receivers(&scene, 300, &mut random);
         for light in lights(&scene, &mut random) {
@@ -98,7 +98,7 @@ proptest! {
 /// Lattice scenes under lattice lights: edges and vertices are met all the time.
 #[test]
 fn degenerate_lattices() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let (mut ambiguous, mut shadowed, mut touching) = (0, 0, 0);
     for _ in 0..400 {
         let mut lattice =
@@ -132,7 +132,7 @@ fn a_lamp_inside_a_room() {
     let mut room = cube(6, DVec3::ZERO, 4.0);
     let ball = icosphere(2, DVec3::new(1.0, 0.5, -0.5), 0.75);
     append(&mut room, &ball.positions, &ball.triangles);
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let receivers = receivers(&room, 20_000, &mut random);
     equal(&room, &receivers, LightEnd::Point(DVec3::new(-1.0, 0.25, 0.3))).unwrap();
     equal(&room, &receivers, LightEnd::Point(DVec3::new(0.0, 3.999, 0.0))).unwrap();
@@ -154,7 +154,7 @@ fn large_overlap_and_thin_geometry() {
         let x = 0.03 * f64::from(k) - 6.0;
         append_grid(&mut fence, 1, |s, y| DVec3::new(x + 2e-4 * s, 1.0 + y, 0.01 * x));
     }
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     for scene in [sheets, fence] {
         let receivers = receivers(&scene, 30_000, &mut random);
         for light in lights(&scene, &mut random) {
@@ -167,7 +167,7 @@ fn large_overlap_and_thin_geometry() {
 #[test]
 fn levels_and_threads_agree() {
     let scene = still_life(3);
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     let receivers = receivers(&scene, 40_000, &mut random);
     let light = LightEnd::Point(DVec3::new(3.0, 9.0, 4.0));
     let expected = truths(&scene, &receivers, light);
@@ -192,7 +192,7 @@ fn skips_change_no_answer() {
     // A sheet under the floor, another beside all receivers.
     append_grid(&mut scene, 16, |x, z| DVec3::new(4.0 * x, -2.0, 4.0 * z));
     append_grid(&mut scene, 4, |x, z| DVec3::new(40.0 + x, 0.0, 40.0 + z));
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let seen = 0..still_life(3).triangles.len() as u32;
     let mut receivers = receivers(&scene, 40_000, &mut random);
     receivers.retain(|r| seen.contains(&r.triangle));
@@ -224,7 +224,7 @@ fn skips_change_no_answer() {
 #[test]
 fn receivers_beside_the_sampled_box() {
     let scene = still_life(2);
-    let mut random = Random(10);
+    let mut random = Random::new(10);
     let mut receivers = receivers(&scene, 40_000, &mut random);
     // Every third one is in the sample.
     receivers[1].position = DVec3::new(-60.0, 1.0, 50.0);

@@ -16,7 +16,7 @@ use verdicts::{FAR, check, lattice_scene, leaks, look, sphere_shadows};
 #[test]
 #[ignore = "soak: 10^7 rays, about 20 s"]
 fn ten_million_rays_leave_no_closed_mesh() {
-    let mut random = Random(160);
+    let mut random = Random::new(160);
     assert_eq!(leaks(&icosphere(5, FAR, 1.0), FAR, 6_000_000, &mut random), 0, "icosphere");
     assert_eq!(leaks(&cube(16, FAR, 1.0), FAR, 4_000_000, &mut random), 0, "cube");
 }
@@ -25,7 +25,7 @@ fn ten_million_rays_leave_no_closed_mesh() {
 #[test]
 #[ignore = "soak: 10^6 segments against integers, about 60 s"]
 fn a_million_verdicts_equal_integers() {
-    let mut random = Random(180);
+    let mut random = Random::new(180);
     let mut marginal = 0;
     for round in 0..25_000 {
         let half = 2 + round % 40;
@@ -56,7 +56,7 @@ fn ten_million_points_in_the_shadow_of_a_sphere() {
 #[ignore = "soak: timing"]
 fn void_rays_are_no_slower_than_others() {
     let tracer = Tracer::new(&icosphere(5, DVec3::ZERO, 1.0));
-    let mut random = Random(200);
+    let mut random = Random::new(200);
     let ends: Vec<DVec3> = (0..200_000).map(|_| random.cube() * 4.0).collect();
     let time = |bad: f64| {
         let start = std::time::Instant::now();

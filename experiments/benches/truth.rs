@@ -161,7 +161,7 @@ fn curve() {
 
 /// Receivers spread evenly over the triangles.
 fn spread(scene: &Geometry, count: usize) -> Vec<Receiver> {
-    let mut random = meshes::Random(1);
+    let mut random = meshes::Random::new(1);
     let triangle = |k: usize| (k * scene.triangles.len() / count) as u32;
     let mut receiver = |triangle| Receiver {
         position: meshes::on_triangle(scene, triangle, &mut random),

@@ -13,6 +13,7 @@ use serde::Serialize;
 /// The critical bias taken apart: each component is what adding one imperfection costs, so that they
 /// add up to `total` exactly. Window depth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Budget {
     /// What slopes need: the largest (s/2)(|gx| + |gy|) over the receivers that have acne without a
     /// bias.

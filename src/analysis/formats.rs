@@ -41,6 +41,7 @@ fn reverses(case: &Case, format: TexelFormat) -> bool {
 
 /// A format on a case.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct FormatAnswer {
     /// The format.
     pub format: TexelFormat,

@@ -200,6 +200,7 @@ pub struct Length {
 
 /// Everything measured of one case at its own bias.
 #[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
 pub struct Measurement {
     /// The case's name.
     pub name: String,

@@ -34,6 +34,9 @@ pub(super) fn plastic(count: u32) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// A small generator of uniform numbers (Steele and others 2014, splitmix64).
+///
+/// The one generator written here: reports are compared byte for byte, and no library promises its
+/// sequence for good. Tests take theirs from `fastrand`.
 #[derive(Clone, Debug)]
 pub(super) struct Random(pub u64);
 

@@ -1,19 +1,17 @@
 //! Seeded mutations of corpus files: bytes, numbers and words of the formats, splices of two files.
 
-/// A small generator of uniform numbers (splitmix64, Steele and others 2014).
-pub struct Random(pub u64);
+/// Seeded random numbers.
+pub struct Random(fastrand::Rng);
 
 impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+    /// Numbers of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
     }
 
     /// Below `limit`, which is not 0.
     pub fn below(&mut self, limit: usize) -> usize {
-        (self.next() % limit as u64) as usize
+        self.0.usize(..limit)
     }
 }
 
@@ -85,7 +83,7 @@ fn change(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
             bytes.splice(at..until, other[from..to].iter().copied());
         }
         7 => {
-            let word = random.next().to_le_bytes();
+            let word = random.0.u64(..).to_le_bytes();
             let patch = [&word[..], &[0; 8], &[0xff; 8]][random.below(3)];
             let end = (at + 1 + random.below(8)).min(bytes.len());
             let patch = patch.iter().copied().take(end - at);

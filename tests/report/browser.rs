@@ -18,7 +18,7 @@ use crate::sample;
 
 /// Slider values that are hard: breakpoints themselves, their neighbours, zero, and any f32.
 fn biases(explorer: &Explorer, count: usize) -> Vec<f32> {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let finite: Vec<f32> =
         explorer.views.iter().flat_map(|view| &view.breakpoints).copied().collect();
     let pick = |index: usize| {

@@ -5,15 +5,16 @@ use gnomon::report::explorer::{
     Class, Codes, Detail, Explorer, Field, Rung, Slider, Truth, Values, View,
 };
 
-/// A generator without state worth sharing: xorshift.
-pub(crate) struct Random(pub(crate) u64);
+/// Seeded random numbers.
+pub(crate) struct Random(fastrand::Rng);
 
 impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     pub(crate) fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
+        self.0.u64(..)
     }
 
     fn unit(&mut self) -> f64 {
@@ -130,7 +131,7 @@ fn view(size: (u32, u32), taps: usize, every: u32, random: &mut Random) -> View 
 
 /// Seeded by `id`'s length only: the same explorer in every run.
 pub(crate) fn explorer(id: &str, size: (u32, u32)) -> Explorer {
-    let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ id.len() as u64);
+    let mut random = Random::new(0x9e37_79b9_7f4a_7c15 ^ id.len() as u64);
     Explorer {
         id: id.into(),
         title: "Drag the bias".into(),

@@ -9,7 +9,7 @@ use crate::explored::Random;
 
 /// Values on and beside byte boundaries, and random ones.
 fn depths() -> Vec<f32> {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let edges = (0..255).flat_map(|k| {
         let edge = k as f32 / 255.0;
         [edge, edge.next_up(), edge.next_down().max(0.0)]

@@ -6,15 +6,16 @@ use std::collections::HashMap;
 use glam::DVec3;
 use gnomon::scene::Geometry;
 
-/// SplitMix64: the same numbers on every machine.
-pub struct Random(pub u64);
+/// Seeded random numbers, the same on every machine.
+pub struct Random(fastrand::Rng);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.u64(..)
     }
 
     /// Uniform in [0, 1), a multiple of 2^-32.
@@ -29,11 +30,11 @@ impl Random {
 
     /// An integer in `low..=high`.
     pub fn integer(&mut self, low: i64, high: i64) -> i64 {
-        low + (self.bits() % (high - low + 1) as u64) as i64
+        self.0.i64(low..=high)
     }
 
     pub fn index(&mut self, len: usize) -> usize {
-        (self.bits() % len as u64) as usize
+        self.0.usize(..len)
     }
 }
 

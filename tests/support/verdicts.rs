@@ -133,7 +133,7 @@ pub fn sphere_shadows(points: usize) -> (u32, u32) {
     // Point lights above the sphere's top, at it and below it: ellipse, parabola, hyperbola.
     let lights = [DVec3::new(2.0, 7.0, 1.0), DVec3::new(2.5, 3.0, 1.0), DVec3::new(3.0, 2.5, 0.0)];
     let sun = DVec3::new(0.5, 0.75, 0.25);
-    let mut random = Random(19);
+    let mut random = Random::new(19);
     let (mut shadowed, mut band) = (0, 0);
     for k in 0..points {
         let from = DVec3::new(random.unit() * 12.0 - 9.0, 0.0, random.unit() * 8.0 - 4.0);

@@ -2,7 +2,7 @@
 //! left wrong with it.
 //!
 //! Costs are counted, not timed, so that they are the same on every machine: bytes of the map, passes
-//! over the casters, texels fetched and arithmetic operations a look-up ([`cost`]). LeftWrong are those at
+//! over the casters, texels fetched and arithmetic operations a look-up ([`cost`]). Errors are those at
 //! the smallest amount of bias that ends acne, or where none does at the amount with the fewest wrong
 //! verdicts. A combination is on the front where no other is at most as costly and at most as wrong in
 //! everything and better in something. Measured times are another matter ([`time`]): they are printed,

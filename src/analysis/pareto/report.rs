@@ -256,7 +256,7 @@ fn method() -> Section {
          derivative. Per comparison: two for its coordinates (unless it is the only one), one for the \
          bias, one to compare, and the packing's unpack, counted by running it. Filters add their \
          average and, where bilinear, 13 for fractions and interpolation. Strategies add their own.",
-        "LeftWrong are means of |visibility - truth|, so that a soft edge counts by how soft it is. They are \
+        "Errors are means of |visibility - truth|, so that a soft edge counts by how soft it is. They are \
          those at the smallest amount from which acne stays within the limit; where there is none, at \
          the amount with the fewest wrong verdicts.",
     ] {

@@ -69,6 +69,7 @@ fn lookup(case: &Case, map: &ShadowMap, filter: Filter) -> f64 {
 
 /// Drawing and storing a map of one format, nanoseconds a texel.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[non_exhaustive]
 pub struct MapTime {
     /// The format's name.
     pub format: &'static str,
@@ -82,6 +83,7 @@ pub struct MapTime {
 
 /// One look-up beside its counted cost.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[non_exhaustive]
 pub struct LookupTime {
     /// The format's name.
     pub format: &'static str,
@@ -97,6 +99,7 @@ pub struct LookupTime {
 
 /// One of the toolkit's own ways.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[non_exhaustive]
 pub struct WayTime {
     /// What is computed.
     pub job: &'static str,
@@ -108,6 +111,7 @@ pub struct WayTime {
 
 /// What was timed on one case, on this machine.
 #[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
 pub struct Times {
     /// The case's name.
     pub case: String,

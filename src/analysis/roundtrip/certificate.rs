@@ -70,6 +70,7 @@ impl Promise {
 
 /// Everything about one combination of packing or format, store, sampler and arithmetic.
 #[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
 pub struct Certificate {
     /// The packing or format.
     pub name: String,

@@ -55,6 +55,7 @@ pub use swept::{Point, Swept};
 
 /// All sweeps of one case.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct CaseSweep {
     /// The case's name.
     pub name: String,

@@ -44,6 +44,7 @@ pub fn key(plan: &Plan) -> String {
 
 /// What one item gives: the sweeps of one case on one map size, and what is known of the case.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Part {
     /// World units per unit of window depth at the middle receiver.
     pub world_per_window: f64,

@@ -6,6 +6,7 @@ use crate::shadow::bias::Strategy;
 
 /// Counts at one amount.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Point {
     /// The strategy's parameter.
     pub amount: f32,
@@ -18,6 +19,7 @@ pub struct Point {
 
 /// A strategy on one map, format and filter.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Swept {
     /// The strategy.
     pub strategy: Strategy,

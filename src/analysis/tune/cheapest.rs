@@ -10,6 +10,7 @@ use crate::scene::{Filter, TexelFormat};
 
 /// A configuration that meets the target.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Configuration {
     /// Map side, format and filter.
     pub size: u32,

@@ -22,6 +22,7 @@ pub use report::{Request, report};
 
 /// What comes of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Found {
     /// The smallest value that meets the target, in the engine's unit.
     Set(f64),
@@ -37,6 +38,7 @@ pub enum Found {
 
 /// One parameter and what comes of it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Tuned {
     /// The parameter.
     pub knob: Knob,
@@ -189,7 +191,7 @@ pub struct Tuning {
 ///
 /// let case = cases::named("book-r8-y7")?;
 /// let field = Field::new(&case, 8); // every eighth pixel, both ways
-/// let tuning = tune::tune(&field, Engine::ThreeJs, 0.001);
+/// let tuning = tune::tune(&field, Engine::Vulkan, 0.001);
 /// let best = tuning.best().expect("some parameter ends acne");
 /// let Found::Set(value) = best.found else { panic!("this scene needs a bias") };
 /// println!("{}", best.knob.line(value));

@@ -183,13 +183,10 @@ fn permanents<T: Real>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
 mod tests {
     use super::*;
 
-    /// Coordinates in [-1, 1) from a multiplicative sequence.
+    /// Random coordinates in [-1, 1).
     fn points() -> impl FnMut() -> DVec3 {
-        let mut state = 1_u64;
-        let mut number = move || {
-            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut random = fastrand::Rng::with_seed(1);
+        let mut number = move || 2.0 * random.f64() - 1.0;
         move || DVec3::new(number(), number(), number())
     }
 
