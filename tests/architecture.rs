@@ -152,7 +152,8 @@ fn functions_are_short() {
             let head =
                 line.trim_start().trim_start_matches("pub(super) ").trim_start_matches("pub ");
             let head = head.trim_start_matches("const ").trim_start_matches("unsafe ");
-            if !head.starts_with("fn ") {
+            // A declaration has no body.
+            if !head.starts_with("fn ") || head.ends_with(';') {
                 continue;
             }
             let closing = format!("{}}}", " ".repeat(indent));
@@ -268,7 +269,7 @@ fn arms<'t>(lines: &[&'t str], at: usize) -> (Vec<&'t str>, &'t str) {
 #[test]
 fn no_wildcard_stands_for_members_of_a_catalogue() {
     let catalogues = catalogues();
-    let mut wildcards = 0;
+    let (mut wildcards, mut hits) = (0, Vec::new());
     for path in rust_files("src") {
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.split("#[cfg(test)]").next().unwrap().lines().collect();
@@ -286,8 +287,9 @@ fn no_wildcard_stands_for_members_of_a_catalogue() {
                 })
             };
             let hit = patterns.iter().find(|p| names(p));
-            assert!(hit.is_none(), "{}:{}: _ beside {}", name(&path), at + 1, hit.unwrap().trim());
+            hits.extend(hit.map(|p| format!("{}:{}: _ beside {}", name(&path), at + 1, p.trim())));
         }
     }
+    assert_eq!(hits, Vec::<String>::new());
     assert!(wildcards > 10, "only {wildcards} wildcards were seen: the scan is broken");
 }

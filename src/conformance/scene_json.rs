@@ -117,7 +117,7 @@ fn lookup(root: &Field<'_>, rules: &Field<'_>) -> Result<LookupSpec> {
     let first = filter_field.items()?;
     let first = first.first().ok_or_else(|| filter_field.bad("is empty", "list one filter"))?;
     let filter = match (taps, filter(first)?) {
-        (9, Filter::Nearest) => Filter::Pcf3,
+        (9, own) if own == Filter::Nearest => Filter::Pcf3,
         (1, filter) => filter,
         _ => return Err(taps_field.bad("fits no known filter", "give 1, or 9 with NEAREST")),
     };
