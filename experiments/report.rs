@@ -16,7 +16,7 @@ use std::process::ExitCode;
 #[command(
     version,
     after_help = "Examples:
-  gnomon-report                                  all cases, report in reports/documents/
+  gnomon-report                                  all cases, report in reports/local/documents/
   gnomon-report --quick --out quick/             every 4th pixel
   gnomon-report --case upc --json -              one case, numbers on stdout
   gnomon-report --scene model.glb --light-dir 1,-2,0.5 --map 1024 --bias 0.001

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 #[command(
     version,
     after_help = "Examples:
-  gnomon-roundtrip                                 all packings, report in reports/roundtrip/
+  gnomon-roundtrip                                 all packings, report in reports/local/roundtrip/
   gnomon-roundtrip --packing book,digits-24        two of them
   gnomon-roundtrip --exhaustive                    every f32 of [0, 1] under every store
   gnomon-roundtrip --brute --packing book          the plain loop instead of interval proofs

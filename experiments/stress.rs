@@ -13,7 +13,7 @@ use std::process::ExitCode;
 #[command(
     version,
     after_help = "Examples:
-  gnomon-stress                        all rows, report in reports/stress/
+  gnomon-stress                        all rows, report in reports/local/stress/
   gnomon-stress --quick --out quick/   an eighth of the samples
   gnomon-stress --quick --json -       the numbers on stdout
 Exit codes: 0 done, 1 this machine's floating-point mode is not the default, 2 bad input,

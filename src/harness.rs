@@ -24,10 +24,13 @@ use crate::{Error, Result, memory};
 use shell::quoted;
 use sink::Sink;
 
+/// Where reports go that nobody gave a folder: runs of one's own, beside the committed ones in `reports`.
+pub const LOCAL: &str = "reports/local";
+
 /// Arguments that every experiment takes; flatten them into the binary's own.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Common {
-    /// Folder for the report [default: reports/NAME]
+    /// Folder for the report [default: reports/local/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Also write the results as JSON here; `-` prints them instead of the table
@@ -63,10 +66,10 @@ impl Common {
         if self.quick { Profile::Quick } else { Profile::Full }
     }
 
-    /// The report's folder: `--out`, else `reports/name`.
+    /// The report's folder: `--out`, else [`LOCAL`]`/name`.
     #[must_use]
     pub fn folder(&self, name: &str) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| Path::new("reports").join(name))
+        self.out.clone().unwrap_or_else(|| Path::new(LOCAL).join(name))
     }
 
     /// The command that makes the same report again: the program's arguments but for those that only
@@ -143,7 +146,7 @@ impl Common {
         let publication = self.publication();
         publication.prepare(&folder)?;
         if self.out.is_none() {
-            publication.check(Path::new("reports"), &["index.html", MANIFEST])?;
+            publication.check(Path::new(LOCAL), &["index.html", MANIFEST])?;
         }
         Ok(lock)
     }
@@ -174,7 +177,7 @@ impl Common {
         let told = || format!("the report in {}", shown(&written.folder));
         sink.as_ref().map_or(Ok(()), Sink::publish).map_err(|e| e.having_written(&told()))?;
         if self.out.is_none() {
-            let index = write_index(Path::new("reports"), self.force);
+            let index = write_index(Path::new(LOCAL), self.force);
             index.map_err(|e| e.having_written(&told()))?;
         }
         signals::published();
