@@ -64,7 +64,7 @@ pub mod stress;
 
 pub use gnomon_core::{
     camera, catalogue, depth, device, engines, error, light, num, raster, scene, shadow, simd,
-    truth, view,
+    size, truth, view,
 };
 pub use gnomon_load as load;
 pub use gnomon_page::{input, memory, output, report};

@@ -34,7 +34,7 @@ impl Need {
         self.check_with(case, case.map.size, case.lookup.filter, step)
     }
 
-    /// The same with another map size and filter than the case's.
+    /// This check with another map size and filter than the case's.
     ///
     /// # Errors
     /// As [`Self::check`].

@@ -33,7 +33,7 @@ pub struct Observer<'a> {
     /// The exact matrices of each map.
     pub lenses: Vec<Lens>,
     pub(super) adjacency: Adjacency,
-    /// Of each map, corners of every triangle in its texels (`None` behind the eye).
+    /// The corners, for each map, of every triangle in its texels (`None` behind the eye).
     pub(super) projected: Vec<Vec<Option<[DVec2; 3]>>>,
     /// The rasteriser's own depths under a float depth attachment.
     pub(super) unquantized: ShadowMap,

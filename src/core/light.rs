@@ -47,7 +47,7 @@ impl Light {
         Self { eye, rays, cone_cos, maps, choice: Choice::Only }
     }
 
-    /// The same light with other maps and a choice among them.
+    /// This light with other maps and a choice among them.
     ///
     /// # Errors
     /// [`Error::BadInput`] where there is no map, a map does not look from the point that the rays come
@@ -84,7 +84,7 @@ impl Light {
         Ok(Self { maps, choice, ..self })
     }
 
-    /// The same light in other clip spaces, one rule for all its maps.
+    /// This light in other clip spaces, one rule for all its maps.
     #[must_use]
     pub fn in_clip_space(mut self, clip: ClipSpace) -> Self {
         self.maps.iter_mut().for_each(|map| map.clip = clip);

@@ -6,7 +6,7 @@ use gnomon_core::{Error, Result};
 
 /// World coordinates lie below this: where a triangle is clipped, products of two clip coordinates
 /// overflow f32 from 2¹²⁸ on, and clip coordinates are a few times as large as those of the world.
-pub const FARTHEST: f64 = exp2(61);
+pub const FARTHEST: f64 = exp2(62);
 /// A scene with extent is at least as large as this: below, the same products vanish.
 pub const SMALLEST: f64 = exp2(-72);
 

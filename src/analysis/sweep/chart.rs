@@ -186,7 +186,7 @@ impl<'f, 'a> Chart<'f, 'a> {
         self.site_weights()[i].with_step(texel.step(z))
     }
 
-    /// The same in one of several maps.
+    /// This answer in one of several maps.
     #[must_use]
     pub fn weights_in(&self, texel: TexelFormat, i: usize, map: usize) -> Weights {
         let sample = &self.field.samples[i];

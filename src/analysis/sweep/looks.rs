@@ -53,7 +53,7 @@ impl Looks {
         self.verdict_by(rule, |_| bias)
     }
 
-    /// The same where each tap has a bias of its own.
+    /// This answer where each tap has a bias of its own.
     #[must_use]
     pub fn verdict_by(
         &self,
@@ -82,7 +82,7 @@ impl Looks {
         self.tally_by(rule, |_| bias, tally);
     }
 
-    /// The same where each tap has a bias of its own.
+    /// This answer where each tap has a bias of its own.
     pub fn tally_by(&self, rule: CompareRule, bias: impl Fn(&Look) -> f32, tally: &mut Tally) {
         let (kind, weight) = self.verdict_by(rule, bias);
         if let Some(kind) = kind {

@@ -62,7 +62,7 @@ impl Taps {
         biased(amount, self.weight(i), self.bound)
     }
 
-    /// The same in one of several maps.
+    /// This bias in one of several maps.
     #[must_use]
     pub fn bias_in(&self, i: usize, map: usize, amount: f32) -> f32 {
         let weight = self.maps.get(map).map_or_else(|| self.weight(i), |weights| weights[i]);

@@ -56,13 +56,13 @@ impl Map {
         Self { view, projection, clip: ClipSpace::OPENGL, viewport, uploaded: None }
     }
 
-    /// The same map drawn into another part of a texture.
+    /// This map drawn into another part of a texture.
     #[must_use]
     pub fn on(self, viewport: Viewport) -> Self {
         Self { viewport, ..self }
     }
 
-    /// The same map whose program uploads `matrix`, clip from world, instead of the product of projection
+    /// This map whose program uploads `matrix`, clip from world, instead of the product of projection
     /// and view; dropped by itself where either changes.
     #[must_use]
     pub fn with_uploaded(mut self, matrix: Mat4) -> Self {
@@ -183,7 +183,7 @@ impl Lens {
         Self { map: *map, clip_from_world, world_from_clip: clip_from_world.inverse(), size }
     }
 
-    /// The same map under other conventions.
+    /// This map under other conventions.
     #[must_use]
     pub fn in_clip_space(&self, clip: ClipSpace) -> Self {
         let mut map = self.map;

@@ -101,7 +101,7 @@ impl Setup {
         Self::in_space(device, size, ClipSpace::OPENGL, corners)
     }
 
-    /// The same in any clip space.
+    /// This raster in any clip space.
     #[must_use]
     pub fn in_space(device: &Device, size: [u32; 2], clip: ClipSpace, corners: [Vec4; 3]) -> Self {
         let projected = Projected::new(device, size, clip.range, corners);

@@ -14,7 +14,7 @@ use glam::Mat4;
 /// Largest map side and canvas side: 2²⁶ texels.
 pub const LARGEST_SIDE: u32 = 8192;
 
-/// Builds a [`Case`] from meshes, a light and a camera, and makes its matrices.
+/// Builds a [`Case`] from meshes, a light and a camera, and checks it.
 ///
 /// Unless it is told otherwise: a picture of 512×512 pixels, a map of 2048² 32-bit floats, nothing
 /// culled, NEAREST look-ups compared by z > D + b, no bias, the ideal device.
@@ -29,11 +29,11 @@ pub const LARGEST_SIDE: u32 = 8192;
 /// let looking = |position| View { position, target: DVec3::ZERO, up: DVec3::Z };
 /// let sun = Projection::Orthographic { width: 12.0, height: 12.0, near: 1.0, far: 30.0 };
 /// let eye = Projection::Perspective { fovy_degrees: 45.0, aspect: 1.0, near: 0.1, far: 100.0 };
-/// let light = Light { view: looking(DVec3::new(6.0, 12.0, 3.0)), projection: sun, cone_cos: None };
+/// let light = Light::new(looking(DVec3::new(6.0, 12.0, 3.0)), sun, None);
 /// let camera = Camera { view: looking(DVec3::new(0.0, 8.0, 8.0)), projection: eye };
 ///
 /// let floor = shapes::floor(8.0, Vec3::ONE);
-/// let case = CaseBuilder::new("mine", light, camera).mesh("floor", floor.clone()).build().unwrap();
+/// let case = CaseBuilder::new("mine", light.clone(), camera).mesh("floor", floor.clone()).build().unwrap();
 /// assert_eq!(case.geometry().triangles.len(), 2);
 ///
 /// let mut broken = floor;

@@ -25,14 +25,14 @@ crate::catalogue! {
 /// The f32 matrices that a program uploads for one object and one map, as its chain names them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Matrices {
-    /// Of [`MatrixChain::Combined`].
+    /// Matrices of [`MatrixChain::Combined`].
     Combined {
         /// Clip of the map from model.
         light_mvp: Mat4,
         /// Clip of the camera from model.
         cam_mvp: Mat4,
     },
-    /// Of [`MatrixChain::ModelView`].
+    /// Matrices of [`MatrixChain::ModelView`].
     ModelView {
         /// Projection of the map.
         light_p: Mat4,
@@ -43,7 +43,7 @@ pub enum Matrices {
         /// View of the camera from model.
         cam_mv: Mat4,
     },
-    /// Of [`MatrixChain::World`].
+    /// Matrices of [`MatrixChain::World`].
     World {
         /// Projection of the map.
         light_p: Mat4,
@@ -56,7 +56,7 @@ pub enum Matrices {
         /// [0, 1] of the map from world.
         texture: Mat4,
     },
-    /// Of [`MatrixChain::BiasMatrix`] and its misprint.
+    /// Matrices of [`MatrixChain::BiasMatrix`] and its misprint.
     Bias {
         /// Projection of the map.
         light_p: Mat4,

@@ -77,7 +77,7 @@ impl Object {
         Self { name: name.into(), mesh, model, uploaded: None }
     }
 
-    /// The same object with matrices from outside, as a program uploads them for this map and camera; they
+    /// This object with matrices from outside, as a program uploads them for this map and camera; they
     /// hold as long as these and the model matrix stay what they are.
     #[must_use]
     pub fn with_uploaded(mut self, matrices: Matrices, map: &Map, camera: &Camera) -> Self {

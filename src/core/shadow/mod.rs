@@ -137,7 +137,7 @@ impl ShadowMap {
         Self { layout, format: TexelFormat::Depth(format), texels: Memory::Depths(depths) }
     }
 
-    /// The same texels as the maps of another layout.
+    /// These texels as the maps of another layout.
     ///
     /// # Panics
     /// Unless it has as many texels.

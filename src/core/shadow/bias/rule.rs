@@ -33,7 +33,7 @@ impl Rule {
     }
 }
 
-/// The same rule object at the same amounts.
+/// This rule object at the same amounts.
 impl PartialEq for Rule {
     fn eq(&self, other: &Self) -> bool {
         std::ptr::addr_eq(self.rule, other.rule) && self.amounts == other.amounts
