@@ -64,7 +64,7 @@ impl Manifest {
     }
 
     /// The manifest as a file to publish beside the others. Its last member is the digest of the text
-    /// before it, so that [`verify`] finds a change of the manifest too.
+    /// before it, so that [`verify`](super::verify()) finds a change of the manifest too.
     #[must_use]
     pub fn to_file(&self) -> OutFile {
         OutFile::new(MANIFEST, seal(self))
