@@ -149,7 +149,8 @@ fn functions_are_short() {
             let head =
                 line.trim_start().trim_start_matches("pub(super) ").trim_start_matches("pub ");
             let head = head.trim_start_matches("const ").trim_start_matches("unsafe ");
-            if !head.starts_with("fn ") {
+            // A declaration has no body.
+            if !head.starts_with("fn ") || head.ends_with(';') {
                 continue;
             }
             let closing = format!("{}}}", " ".repeat(indent));
@@ -253,6 +254,7 @@ fn arms<'t>(lines: &[&'t str], at: usize) -> (Vec<&'t str>, &'t str) {
     let own = indent(lines[at]);
     let inside = lines[..at].iter().rev().take_while(|l| l.trim().is_empty() || indent(l) >= own);
     let same = inside.filter(|l| indent(l) == own).map(|l| l.split("=>").next().unwrap_or(l));
+    let same = same.map(|l| l.split(" if ").next().unwrap_or(l)); // Guards are no patterns.
     let head = lines[..at].iter().rev().find(|l| l.starts_with("impl"));
     (
         same.collect(),
@@ -265,7 +267,7 @@ fn arms<'t>(lines: &[&'t str], at: usize) -> (Vec<&'t str>, &'t str) {
 #[test]
 fn no_wildcard_stands_for_members_of_a_catalogue() {
     let catalogues = catalogues();
-    let mut wildcards = 0;
+    let (mut wildcards, mut hits) = (0, Vec::new());
     for path in rust_files("src") {
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.split("#[cfg(test)]").next().unwrap().lines().collect();
@@ -283,8 +285,9 @@ fn no_wildcard_stands_for_members_of_a_catalogue() {
                 })
             };
             let hit = patterns.iter().find(|p| names(p));
-            assert!(hit.is_none(), "{}:{}: _ beside {}", name(&path), at + 1, hit.unwrap().trim());
+            hits.extend(hit.map(|p| format!("{}:{}: _ beside {}", name(&path), at + 1, p.trim())));
         }
     }
+    assert_eq!(hits, Vec::<String>::new());
     assert!(wildcards > 10, "only {wildcards} wildcards were seen: the scan is broken");
 }
