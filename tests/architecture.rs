@@ -257,6 +257,7 @@ fn arms<'t>(lines: &[&'t str], at: usize) -> (Vec<&'t str>, &'t str) {
     let own = indent(lines[at]);
     let inside = lines[..at].iter().rev().take_while(|l| l.trim().is_empty() || indent(l) >= own);
     let same = inside.filter(|l| indent(l) == own).map(|l| l.split("=>").next().unwrap_or(l));
+    let same = same.map(|l| l.split(" if ").next().unwrap_or(l)); // Guards are no patterns.
     let head = lines[..at].iter().rev().find(|l| l.starts_with("impl"));
     (
         same.collect(),

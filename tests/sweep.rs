@@ -205,8 +205,8 @@ fn errors_are_nested() {
 }
 
 /// Every strategy ends the acne of a plane under every filter, but where its own definition says not:
-/// receiver-slope and the tutorials' tangent stop at their clamp of 0.01, the tutorials' cosine begins at
-/// its floor of 0.005, Godot's offset only moves the look-up, receiver-plane at
+/// receiver-slope and tutorial-tangent stop at their clamp of 0.01, tutorial-cosine begins at its floor,
+/// Godot's offset only moves the look-up, receiver-plane at
 /// the tap leaves a filter's texels to its constant, which is bounded with it.
 #[test]
 fn every_strategy_ends_acne_on_a_plane_or_its_reach_says_why() {
@@ -230,17 +230,15 @@ fn every_strategy_ends_acne_on_a_plane_or_its_reach_says_why() {
                     | Strategy::Oriented
                     | Strategy::ReceiverPlane
                     | Strategy::Adaptive
-                    | Strategy::TutorialCosine
             );
-            assert!(acne > 0 || none_at_zero, "{strategy} {filter}: acne without bias");
+            // Its floor, which it keeps at every amount.
+            let floored = strategy == Strategy::TutorialCosine && need <= 0.005;
+            assert!(acne > 0 || none_at_zero || floored, "{strategy} {filter}: acne without bias");
             match strategy {
                 Strategy::ReceiverSlope | Strategy::TutorialTangent => {
                     // Disks of points do not reach their half-width in every direction.
                     let found = swept.acne_free.is_some();
-                    let disk = matches!(
-                        filter,
-                        Filter::Poisson16 | Filter::Vogel16 | Filter::Vogel5Bilinear
-                    );
+                    let disk = ["poisson16", "vogel16", "vogel5-bilinear"].contains(&filter.name());
                     let predicted = need <= 0.01;
                     let right = found == predicted || (disk && found);
                     assert!(right, "{filter} needs {need}, the clamp is 0.01: {found}");

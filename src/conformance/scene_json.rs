@@ -114,9 +114,8 @@ fn lookup(root: &Field<'_>, rules: &Field<'_>) -> Result<LookupSpec> {
     let taps_field = rules.get("taps")?;
     let taps = taps_field.count(9)?;
     let filter_field = root.get("filters")?;
-    let first = filter_field.items()?;
-    let first = first.first().ok_or_else(|| filter_field.bad("is empty", "list one filter"))?;
-    let own = filter(first)?;
+    let empty = || filter_field.bad("is empty", "list one filter");
+    let own = filter(filter_field.items()?.first().ok_or_else(empty)?)?;
     let filter = match taps {
         1 => own,
         9 if own == Filter::Nearest => Filter::Pcf3,
