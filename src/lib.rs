@@ -19,7 +19,7 @@
 //!
 //! | layer | package | modules |
 //! |---|---|---|
-//! | L0 | core | [`error`], [`catalogue`](mod@catalogue), [`num`], `size` (amounts of memory), [`simd`] (the only `unsafe`) |
+//! | L0 | core | [`error`], [`catalogue`](mod@catalogue), [`num`], [`size`] (amounts of memory), [`simd`] (the only `unsafe`) |
 //! | L1 | core | [`depth`] (mappings, formats, packings, stores), [`view`] (matrices) |
 //! | L2 | core | [`device`], [`light`], [`camera`] |
 //! | L3 | core | [`scene`] (meshes, cases, the words of a pipeline) |

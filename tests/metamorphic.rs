@@ -118,7 +118,7 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
     {
         let home: Vec<_> = observe(&unmoved(&case), 16).iter().map(bits).collect();
         assert!(home.len() > 200, "{}: {} receivers", case.name, home.len());
-        for k in [-40, -20, -7, -1, 1, 7, 20, 40] {
+        for k in [-20, -7, -1, 1, 7, 20] {
             let away: Vec<_> = observe(&scaled(&case, exp2(k)), 16).iter().map(bits).collect();
             assert_eq!(home.len(), away.len(), "{} at 2^{k}", case.name);
             for (a, b) in home.iter().zip(&away) {

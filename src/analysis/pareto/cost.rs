@@ -14,7 +14,7 @@
 use crate::depth::Packing;
 use crate::depth::arith::Number;
 use crate::depth::packing::{Pair, PairVisitor};
-use crate::scene::{Filter, Kernel, TexelFormat};
+use crate::scene::{Filter, FilterKernel, TexelFormat};
 use crate::shadow::bias::{Follow, Layers, NormalWeight, Strategy};
 use serde::Serialize;
 use std::cell::Cell;
@@ -41,8 +41,8 @@ impl Cost {
         let fetches = filter.fetches();
         let comparisons = if filter == Filter::Linear { 1 } else { fetches };
         let bilinear = match filter.kernel() {
-            Kernel::Bilinear { points, .. } => points().len() as u32,
-            Kernel::Points { .. } | Kernel::Square(_) | Kernel::Mix => 0,
+            FilterKernel::Bilinear { points, .. } => points().len() as u32,
+            FilterKernel::Points { .. } | FilterKernel::Square(_) | FilterKernel::Mix => 0,
         };
         let unpack = match format {
             TexelFormat::Packed(packing) => unpack_operations(packing),

@@ -1,14 +1,14 @@
 //! Every filter as one row: its name and the points that it compares, from which all else follows.
 
 use super::disk::{DISK, poisson16, vogel5, vogel16};
-use Kernel::{Mix, Square};
+use FilterKernel::{Mix, Square};
 
 /// Points in texels around the coordinate.
 pub type Points = &'static [[f32; 2]];
 
 /// What a filter compares.
 #[derive(Clone, Copy, Debug)]
-pub enum Kernel {
+pub enum FilterKernel {
     /// The texels under each point.
     Points {
         /// Where.
@@ -32,12 +32,12 @@ pub enum Kernel {
 /// The widest square.
 pub const WIDEST: usize = 9;
 
-const fn points(points: fn() -> Points, reach: f64) -> Kernel {
-    Kernel::Points { points, reach }
+const fn points(points: fn() -> Points, reach: f64) -> FilterKernel {
+    FilterKernel::Points { points, reach }
 }
 
-const fn bilinear(points: fn() -> Points, reach: f64) -> Kernel {
-    Kernel::Bilinear { points, reach }
+const fn bilinear(points: fn() -> Points, reach: f64) -> FilterKernel {
+    FilterKernel::Bilinear { points, reach }
 }
 
 const fn centre() -> Points {
@@ -61,7 +61,7 @@ const fn grid3() -> Points {
 
 crate::catalogue! {
     /// Which texels a look-up reads.
-    pub enum Filter: Kernel {
+    pub enum Filter: FilterKernel {
         /// The one texel under the coordinate.
         Nearest = "nearest" => points(centre, 0.0),
         /// Four texels, weighted: bytes of a packed texture are mixed before they are decoded.
@@ -92,7 +92,7 @@ impl Filter {
     /// What it compares.
     #[must_use]
     #[inline]
-    pub const fn kernel(self) -> Kernel {
+    pub const fn kernel(self) -> FilterKernel {
         *self.row()
     }
 
@@ -102,10 +102,10 @@ impl Filter {
     #[must_use]
     pub const fn half_width(self) -> f64 {
         match self.kernel() {
-            Kernel::Points { reach, .. } => 0.5 + reach,
-            Kernel::Square(n) => n as f64 / 2.0,
-            Kernel::Bilinear { reach, .. } => 1.0 + reach,
-            Kernel::Mix => 1.0,
+            FilterKernel::Points { reach, .. } => 0.5 + reach,
+            FilterKernel::Square(n) => n as f64 / 2.0,
+            FilterKernel::Bilinear { reach, .. } => 1.0 + reach,
+            FilterKernel::Mix => 1.0,
         }
     }
 
@@ -113,10 +113,10 @@ impl Filter {
     #[must_use]
     pub fn fetches(self) -> u32 {
         match self.kernel() {
-            Kernel::Points { points, .. } => points().len() as u32,
-            Kernel::Square(n) => (n * n) as u32,
-            Kernel::Bilinear { points, .. } => 4 * points().len() as u32,
-            Kernel::Mix => 4,
+            FilterKernel::Points { points, .. } => points().len() as u32,
+            FilterKernel::Square(n) => (n * n) as u32,
+            FilterKernel::Bilinear { points, .. } => 4 * points().len() as u32,
+            FilterKernel::Mix => 4,
         }
     }
 }

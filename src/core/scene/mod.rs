@@ -15,7 +15,7 @@ use crate::device::DeviceProfile;
 use crate::light::{Layout, Light, Map};
 pub use builder::{CaseBuilder, LARGEST_SIDE};
 pub use chain::{Matrices, MatrixChain, Stages};
-pub use filter::{Filter, Kernel};
+pub use filter::{Filter, FilterKernel};
 use glam::{DVec3, Mat4, Vec3};
 pub use pipeline::{CompareRule, CoordForm, Cull, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;

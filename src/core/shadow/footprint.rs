@@ -4,7 +4,7 @@ use super::place::Place;
 use super::sampler;
 use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
-use crate::scene::filter::{Kernel, WIDEST};
+use crate::scene::filter::{FilterKernel, WIDEST};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -80,10 +80,10 @@ impl Footprints {
     #[must_use]
     pub fn new(sampling: Sampling, with_offsets: bool) -> Self {
         let each = match sampling.filter.kernel() {
-            Kernel::Points { points, .. } => Some(points().len()),
-            Kernel::Square(n) => Some(n * n),
-            Kernel::Mix => Some(4),
-            Kernel::Bilinear { .. } => None,
+            FilterKernel::Points { points, .. } => Some(points().len()),
+            FilterKernel::Square(n) => Some(n * n),
+            FilterKernel::Mix => Some(4),
+            FilterKernel::Bilinear { .. } => None,
         };
         let (texels, weights, offsets, mixed) = Default::default();
         Self { sampling, with_offsets, each, starts: vec![0], texels, weights, offsets, mixed }
@@ -198,31 +198,31 @@ impl Footprints {
 
     fn place(&mut self, at: &Place<'_>) {
         match self.sampling.filter.kernel() {
-            Kernel::Points { points, .. } => {
+            FilterKernel::Points { points, .. } => {
                 self.texels.extend(points().iter().map(|&p| at.nearest(p)));
             }
-            Kernel::Square(n) => self.square(at, n),
-            Kernel::Bilinear { points, .. } => self.bilinear(at, points()),
-            Kernel::Mix => self.mix(at),
+            FilterKernel::Square(n) => self.square(at, n),
+            FilterKernel::Bilinear { points, .. } => self.bilinear(at, points()),
+            FilterKernel::Mix => self.mix(at),
         }
     }
 
     fn place_offsets(&mut self, at: &Place<'_>) {
         match self.sampling.filter.kernel() {
-            Kernel::Points { points, .. } => {
+            FilterKernel::Points { points, .. } => {
                 self.offsets.extend(points().iter().map(|&p| at.offset(p)));
             }
-            Kernel::Square(n) => {
+            FilterKernel::Square(n) => {
                 let half = n as i32 / 2;
                 let row = |y: i32| (-half..=half).map(move |x| [x as f32, y as f32]);
                 self.offsets.extend((-half..=half).flat_map(row).map(|p| at.offset(p)));
             }
-            Kernel::Bilinear { points, .. } => {
+            FilterKernel::Bilinear { points, .. } => {
                 let points = points();
                 let around = points.iter().flat_map(|&p| at.around(p));
                 self.offsets.extend(around.filter(|near| near.weight > 0.0).map(|n| n.offset));
             }
-            Kernel::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
+            FilterKernel::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
         }
     }
 
