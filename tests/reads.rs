@@ -1,6 +1,6 @@
 //! The code reads: docs stand alone, names are not shared, and the map in lib.rs is complete.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -73,14 +73,15 @@ fn public_type(line: &str) -> Option<&str> {
 
 #[test]
 fn no_two_public_types_of_a_package_share_a_name() {
-    let mut homes: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
+    let mut homes: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
     for (package, path, text) in sources() {
         for line in text.lines() {
             // An associated type stands in its trait and has no home of its own.
             // A macro's own `pub enum $Set` has no name here.
             let Some(name) = public_type(line).filter(|name| !name.is_empty()) else { continue };
             let home = homes.entry((package.clone(), name.to_string())).or_default();
-            home.push(path.display().to_string());
+            // A file holds one type of a name: a macro in it may repeat the declaration.
+            home.insert(path.display().to_string());
         }
     }
     assert!(homes.len() > 200, "only {} types were seen: the scan is broken", homes.len());

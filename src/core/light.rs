@@ -6,7 +6,7 @@ mod map;
 
 use crate::view::{self, ClipSpace, Projection, View};
 use crate::{Error, Result};
-pub use choice::{Choice, Chosen, Lookup, Place};
+pub use choice::{Choice, Chosen, Lookup, PlaceInMaps};
 use glam::DVec3;
 pub use layout::{Layout, Rect};
 pub use map::{Lens, Map, Viewport};
@@ -147,7 +147,7 @@ impl Light {
 
     /// The look-ups of a place: one, or two whose visibilities are mixed by weight.
     #[must_use]
-    pub fn lookups<L: FromIterator<Lookup>>(&self, place: &Place<'_>) -> L {
+    pub fn lookups<L: FromIterator<Lookup>>(&self, place: &PlaceInMaps<'_>) -> L {
         let chosen = self.choice.among(&self.maps, place).into_iter().flatten();
         chosen
             .map(|Chosen { map, weight }| Lookup { map, coord: place.coords[map], weight })

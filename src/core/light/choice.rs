@@ -39,16 +39,16 @@ pub struct Chosen {
 
 /// What a choice may know of a place that is looked up.
 #[derive(Clone, Copy)]
-pub struct Place<'p> {
+pub struct PlaceInMaps<'p> {
     /// Map coordinates and compared depth in each map, as the subject computes them.
     pub coords: &'p [[f32; 3]],
     /// Distance along the camera's axis, world units.
     pub view_depth: &'p dyn Fn() -> f32,
 }
 
-impl std::fmt::Debug for Place<'_> {
+impl std::fmt::Debug for PlaceInMaps<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Place").field("coords", &self.coords).finish_non_exhaustive()
+        f.debug_struct("PlaceInMaps").field("coords", &self.coords).finish_non_exhaustive()
     }
 }
 
@@ -108,7 +108,7 @@ impl Choice {
 
     /// The maps of a place, the one with the larger index last: one, or two that are mixed.
     #[must_use]
-    pub fn among(&self, maps: &[Map], place: &Place<'_>) -> [Option<Chosen>; 2] {
+    pub fn among(&self, maps: &[Map], place: &PlaceInMaps<'_>) -> [Option<Chosen>; 2] {
         match self {
             Self::Only => only(0),
             Self::FirstThatHolds { border, blend } => {
@@ -171,7 +171,7 @@ mod tests {
     use crate::view::{Projection, View};
     use glam::DVec3;
 
-    fn shares(choice: &Choice, place: &Place<'_>) -> Vec<(usize, f64)> {
+    fn shares(choice: &Choice, place: &PlaceInMaps<'_>) -> Vec<(usize, f64)> {
         let view = View { position: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y };
         let square = Projection::Orthographic { width: 2.0, height: 2.0, near: 0.0, far: 1.0 };
         let chosen = choice.among(&[Map::new(view, square); 2], place);
@@ -181,8 +181,9 @@ mod tests {
     #[test]
     fn cascades_blend_over_the_end_of_each_range() {
         let choice = Choice::ViewDepth { ends: vec![10.0, 30.0], blend: 0.25 };
-        let at =
-            |view_depth: f32| shares(&choice, &Place { coords: &[], view_depth: &|| view_depth });
+        let at = |view_depth: f32| {
+            shares(&choice, &PlaceInMaps { coords: &[], view_depth: &|| view_depth })
+        };
         assert_eq!(at(5.0), [(0, 1.0)]);
         assert_eq!(at(8.75), [(0, 0.5), (1, 0.5)], "halfway through the last quarter of 10");
         assert_eq!(at(10.0), [(1, 1.0)], "the end belongs to the next");
@@ -195,7 +196,7 @@ mod tests {
         let choice = Choice::FirstThatHolds { border: 0.125, blend: 0.25 };
         let at = |u: f32, v: f32| {
             let coords = [[u, 0.5, 0.5], [v, 0.5, 0.5]];
-            shares(&choice, &Place { coords: &coords, view_depth: &|| 0.0 })
+            shares(&choice, &PlaceInMaps { coords: &coords, view_depth: &|| 0.0 })
         };
         assert_eq!(at(0.5, 0.5), [(0, 1.0)]);
         assert_eq!(at(0.25, 0.5), [(0, 0.5), (1, 0.5)]);

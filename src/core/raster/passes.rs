@@ -3,7 +3,7 @@
 use super::{Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, Setup, draw};
 use crate::depth::DepthFormat;
 use crate::device::Device;
-use crate::light::{Layout, Lens, Light, Lookup, Place};
+use crate::light::{Layout, Lens, Light, Lookup, PlaceInMaps};
 use crate::scene::{Case, Cull, MatrixChain, Stages};
 use crate::shadow::{Drawn, Few, ShadowMap};
 use crate::view::{ClipRange, ClipSpace};
@@ -227,7 +227,7 @@ impl<'a> Subject<'a> {
     pub fn lookups(&self, position: DVec3, coords: &[[f32; 3]]) -> Few<Lookup> {
         let view = &self.case.camera.view;
         let view_depth = || (view.position - position).dot(view.backward()) as f32;
-        self.case.light.lookups(&Place { coords, view_depth: &view_depth })
+        self.case.light.lookups(&PlaceInMaps { coords, view_depth: &view_depth })
     }
 
     /// Barycentric coordinates of a pixel centre on `triangle`, f64.
