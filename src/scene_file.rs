@@ -15,10 +15,10 @@ pub fn load(path: &Path, limits: &Limits) -> Result<LoadedScene> {
     parse(path, &input::read(path, limits.bytes)?, limits)
 }
 
-/// [`load`] with the bytes of the file at `path` given; files that they name are looked for beside it.
+/// [`load`](fn@load) with the bytes of the file at `path` given; files that they name are looked for beside it.
 ///
 /// # Errors
-/// As [`load`].
+/// As [`load`](fn@load).
 pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<LoadedScene> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -95,7 +95,7 @@ impl SceneFile {
     /// scene file, and what nobody says is fitted to the geometry.
     ///
     /// # Errors
-    /// [`Error::BadInput`](crate::Error::BadInput) or [`Error::Read`](crate::Error::Read) in one sentence.
+    /// [`Error::BadInput`] or [`Error::Read`] in one sentence.
     pub fn case(&self) -> Result<Option<Case>> {
         self.case_with(|_| {})
     }
