@@ -10,6 +10,7 @@ use gnomon::raster::NO_TRIANGLE;
 use gnomon::scene::{Case, cases::analytic};
 use gnomon::shadow::breakpoint;
 use gnomon::truth::Truth;
+use std::sync::Arc;
 
 /// A look-up of the map of a case at a world position, as its own f32 rule sees it.
 struct Probe<'a> {
@@ -364,7 +365,7 @@ fn a_disc_is_aliased_as_predicted() {
     for _ in 0..40 {
         let mut case = analytic::disc();
         let shift = [0, 1].map(|_| f64::from((random(&mut seed) * s) as f32));
-        for p in &mut case.objects[1].mesh.positions {
+        for p in &mut Arc::make_mut(&mut case.objects[1].mesh).positions {
             (p.x, p.z) = (p.x + shift[0] as f32, p.z + shift[1] as f32);
         }
         let probe = Probe::new(&case);

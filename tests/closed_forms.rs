@@ -12,6 +12,7 @@ use gnomon::shadow::bias::Strategy;
 use gnomon::shadow::{breakpoint, texel_depth};
 use gnomon::truth::Receiver;
 use gnomon::view::{Projection, View};
+use std::sync::Arc;
 
 /// Texel edge, depth range and map size of the analytic planes under the sun.
 const TEXEL: f64 = 0.125;
@@ -261,7 +262,7 @@ fn powers_of_two_change_nothing() {
         let scale = gnomon::num::exp2(k);
         let mut case = analytic::plates();
         for object in &mut case.objects {
-            object.mesh.positions.iter_mut().for_each(|p| *p *= scale as f32);
+            Arc::make_mut(&mut object.mesh).positions.iter_mut().for_each(|p| *p *= scale as f32);
         }
         let length = |x: &mut f64| *x *= scale;
         let view = |v: View| View { position: v.position * scale, target: v.target * scale, ..v };

@@ -12,6 +12,7 @@ use gnomon::scene::{Case, Mesh, cases, cases::analytic};
 use gnomon::shadow::visibility;
 use gnomon::stress::{self, Sampling, Sheet};
 use gnomon::view::{Projection, View};
+use std::sync::Arc;
 
 fn named(names: &[&str]) -> Vec<Case> {
     names.iter().map(|name| cases::named(name).expect("a known case")).collect()
@@ -54,7 +55,8 @@ fn moved(
         let offset = object.model.w_axis.truncate();
         assert_eq!(object.model, Mat4::from_translation(offset), "a translation");
         let place = |p: &Vec3| point((*p + offset).as_dvec3()).as_vec3();
-        object.mesh.positions = object.mesh.positions.iter().map(place).collect();
+        let moved = object.mesh.positions.iter().map(place).collect();
+        Arc::make_mut(&mut object.mesh).positions = moved;
         object.model = Mat4::IDENTITY;
     }
     case
@@ -198,7 +200,9 @@ fn a_mirrored_world_is_judged_alike() {
         let case = unmoved(&named(&[name]).remove(0));
         let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
         let mut mirrored = moved(&case, flip, flip, 1.0);
-        for triangle in mirrored.objects.iter_mut().flat_map(|o| &mut o.mesh.triangles) {
+        for triangle in
+            mirrored.objects.iter_mut().flat_map(|o| &mut Arc::make_mut(&mut o.mesh).triangles)
+        {
             triangle.swap(1, 2);
         }
         let width = case.canvas[0];
@@ -284,7 +288,7 @@ fn subdivision_at_representable_midpoints_changes_no_texel() {
         let mut case = whole.clone();
         for level in 1..=4 {
             for object in &mut case.objects {
-                object.mesh = subdivided(&object.mesh);
+                object.mesh = subdivided(&object.mesh).into();
             }
             let map = map_of(&case);
             for (i, (&a, &b)) in expected.triangle.iter().zip(&map.triangle).enumerate() {

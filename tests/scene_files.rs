@@ -5,7 +5,7 @@ use gnomon::Error;
 use gnomon::analysis::measure::measure;
 use gnomon::load::config::Settings;
 use gnomon::load::fit;
-use gnomon::load::{Limits, LoadedScene};
+use gnomon::load::{Limits, LoadedScene, Part};
 use gnomon::scene_file::load;
 use serde_json::{Value, json};
 use std::fs;
@@ -76,11 +76,11 @@ fn a_gltf_scene_is_read_and_measured() {
     let folder = Folder::new();
     let scene = folder.load("table.gltf", gltf().to_string()).expect("a sound scene");
     assert_eq!(scene.parts.len(), 1);
-    let (name, mesh, _) = &scene.parts[0];
+    let Part { name, mesh, .. } = &scene.parts[0];
     assert!(name.starts_with("table"), "{name}");
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 4));
     assert_eq!(mesh.positions[4], Vec3::new(-1.0, 1.0, 1.0));
-    let camera = scene.camera.expect("the file's camera");
+    let camera = scene.cameras.first().expect("the file's camera");
     assert!((camera.position - DVec3::new(0.0, 5.0, 5.0)).length() < 1e-6);
     let toml = "canvas = [96, 96]\n[light]\ndirection = [0.0, -1.0, 0.0]\n[map]\nsize = 256\n[lookup]\nbias = 0.01\n";
     let settings = Settings::parse("table.toml", toml).expect("sound settings");
@@ -126,7 +126,7 @@ fn an_obj_scene_is_read_without_its_materials() {
         "mtllib m.mtl\no plane\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nusemtl a\nf 1 2 3 4\n";
     let scene =
         folder.load("plane.obj", obj).expect("a sound OBJ; the broken material is not opened");
-    assert_eq!(scene.parts[0].1.triangles.len(), 2);
+    assert_eq!(scene.parts[0].mesh.triangles.len(), 2);
 }
 
 /// A square of one face, with an element and properties that nobody needs.
@@ -141,7 +141,7 @@ fn a_ply_scene_is_read_as_text_and_binary() {
     let text = folder.load("plane.ply", PLY).expect("a sound PLY");
     let obj = "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n";
     let expected = folder.load("plane.obj", obj).expect("a sound OBJ");
-    let mesh = |scene: &LoadedScene| scene.parts[0].1.clone();
+    let mesh = |scene: &LoadedScene| scene.parts[0].mesh.clone();
     assert_eq!(mesh(&text).positions, mesh(&expected).positions);
     assert_eq!(mesh(&text).triangles, mesh(&expected).triangles);
     for (format, little) in [("binary_little_endian", true), ("binary_big_endian", false)] {

@@ -1,7 +1,7 @@
 //! What scene formats allow: concave faces, OBJ dialects, strips, sparse and quantized positions.
 
 use glam::Vec3;
-use gnomon::load::{Limits, LoadedScene};
+use gnomon::load::{Limits, LoadedScene, Part};
 use gnomon::scene_file::parse;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -16,8 +16,8 @@ fn sound(name: &str, bytes: &[u8]) -> LoadedScene {
 
 /// Area of all triangles in the world.
 fn area(scene: &LoadedScene) -> f32 {
-    let part = |(_, mesh, model): &(String, gnomon::scene::shapes::Mesh, glam::Mat4)| {
-        let corner = |i: u32| model.transform_point3(mesh.positions[i as usize]);
+    let part = |Part { mesh, model, .. }: &Part| {
+        let corner = |i: u32| model.as_mat4().transform_point3(mesh.positions[i as usize]);
         let triangle = |t: &[u32; 3]| {
             let [a, b, c] = t.map(corner);
             (b - a).cross(c - a).length() / 2.0
@@ -69,7 +69,7 @@ fn windings_of_cut_faces_stay() {
     // The first order runs counter-clockwise as seen from above.
     for (order, up) in [("1 2 3 4 5", 1.0), ("5 4 3 2 1", -1.0)] {
         let scene = sound("a.obj", format!("{REFLEX}f {order}\n").as_bytes());
-        let mesh = &scene.parts[0].1;
+        let mesh = &scene.parts[0].mesh;
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
             assert_eq!((b - a).cross(c - a).y.signum(), up, "{order}: {t:?}");
@@ -97,13 +97,13 @@ fn obj_dialects_are_read() {
         ("no end of line", b"v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3"),
     ] {
         let scene = sound("a.obj", bytes);
-        assert_eq!(scene.parts[0].1, plain.parts[0].1, "{what}");
+        assert_eq!(scene.parts[0].mesh, plain.parts[0].mesh, "{what}");
         assert!(scene.notes.is_empty(), "{what}: {:?}", scene.notes);
     }
     let lines = sound("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 -1\nl 1 2\nf 1 2 3\np 1\n");
     assert!(lines.notes[0].contains("2 lines, points"), "{:?}", lines.notes);
     let parts = sound("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 -1\no a\nf 1 2 3\ng b\nf 3 2 1\n");
-    assert_eq!(parts.parts.iter().map(|p| p.1.positions.len()).collect::<Vec<_>>(), [3, 3]);
+    assert_eq!(parts.parts.iter().map(|p| p.mesh.positions.len()).collect::<Vec<_>>(), [3, 3]);
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn every_complaint_about_an_obj_has_its_line() {
     let lenient = Limits { lenient: true, ..Limits::default() };
     let text = b"v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\nf 1 2 9\nf 1 2\nf 1 2 x\n";
     let scene = parse(Path::new("a.obj"), text, &lenient).expect("one triangle is left");
-    assert_eq!(scene.parts[0].1.triangles, [[0, 1, 2]]);
+    assert_eq!(scene.parts[0].mesh.triangles, [[0, 1, 2]]);
     assert!(scene.notes.join(" ").contains("2 of 3 triangles are damaged"), "{:?}", scene.notes);
 }
 
@@ -134,7 +134,7 @@ fn ply_strips_are_read_with_their_restarts() {
         element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
         0 0 0\n1 0 0\n0 0 -1\n1 0 -1\n8 0 1 2 3 -1 2 1 0\n";
     let scene = sound("a.ply", ply.as_bytes());
-    assert_eq!(scene.parts[0].1.triangles, [[0, 1, 2], [2, 1, 3], [2, 1, 0]]);
+    assert_eq!(scene.parts[0].mesh.triangles, [[0, 1, 2], [2, 1, 3], [2, 1, 0]]);
 }
 
 /// A unit square at y = 1 whose accessor, bytes and nodes are edited.
@@ -162,10 +162,10 @@ fn floats() -> Vec<u8> {
 #[test]
 fn strips_and_fans_of_a_gltf_are_drawn() {
     let strip = sound("a.gltf", &gltf(&floats(), |_| {}));
-    assert_eq!(strip.parts[0].1.triangles, [[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(strip.parts[0].mesh.triangles, [[0, 1, 2], [2, 1, 3]]);
     assert!(strip.notes.is_empty(), "{:?}", strip.notes);
     let fan = gltf(&floats(), |v| v["meshes"][0]["primitives"][0]["mode"] = json!(6));
-    assert_eq!(sound("a.gltf", &fan).parts[0].1.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(sound("a.gltf", &fan).parts[0].mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn sparse_accessors_replace_elements() {
             v["accessors"][0].as_object_mut().expect("an accessor").remove("bufferView");
         }
     };
-    let positions = |bytes: &[u8]| sound("a.gltf", bytes).parts[0].1.positions.clone();
+    let positions = |bytes: &[u8]| sound("a.gltf", bytes).parts[0].mesh.positions.clone();
     let [_, b, c, _] = SQUARE.map(Vec3::from_array);
     let (first, last) = (Vec3::new(5.0, 1.0, 1.0), Vec3::new(6.0, 1.0, 0.0));
     assert_eq!(positions(&gltf(&binary, |v| sparse(v, true))), [first, b, c, last]);
@@ -220,7 +220,7 @@ fn quantized_positions_are_read_and_materials_required_are_passed_over() {
             v["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_texture_transform"]);
         }),
     );
-    assert_eq!(scene.parts[0].1.positions, SQUARE.map(Vec3::from_array));
+    assert_eq!(scene.parts[0].mesh.positions, SQUARE.map(Vec3::from_array));
     let bytes: Vec<u8> =
         SQUARE.iter().flat_map(|p| p.map(|x| (x * 100.0) as u8).into_iter().chain([0])).collect();
     let scene = sound(
@@ -230,7 +230,7 @@ fn quantized_positions_are_read_and_materials_required_are_passed_over() {
             v["bufferViews"][0]["byteStride"] = json!(4);
         }),
     );
-    assert_eq!(scene.parts[0].1.positions[1], Vec3::new(100.0, 100.0, 100.0));
+    assert_eq!(scene.parts[0].mesh.positions[1], Vec3::new(100.0, 100.0, 100.0));
     let draco =
         gltf(&floats(), |v| v["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
     let error = load("a.gltf", &draco).expect_err("not read").to_string();

@@ -87,6 +87,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneDump> {
         shading: Shading::Tint,
         device: DeviceProfile::WebglSwiftshader,
         assumptions: Vec::new(),
+        skipped: Vec::new(),
         facts: Vec::new(),
     };
     let files = files(&root, &case)?;

@@ -1,7 +1,7 @@
 //! A user's scene as a case: light and camera from settings or file, else fitted to the geometry.
 
 use super::config::Settings;
-use super::{LoadedScene, range};
+use super::{LightKind, LoadedCamera, LoadedLens, LoadedLight, LoadedScene, Part, range};
 use glam::DVec3;
 use gnomon_core::camera::Camera;
 use gnomon_core::light::Light;
@@ -29,8 +29,7 @@ struct Bounds {
 
 impl Bounds {
     fn of(scene: &LoadedScene) -> Self {
-        let world = scene.parts.iter().flat_map(|(_, mesh, model)| {
-            let model = model.as_dmat4();
+        let world = scene.parts.iter().flat_map(|Part { mesh, model, .. }| {
             mesh.positions.iter().map(move |p| model.transform_point3(p.as_dvec3()))
         });
         let points: Vec<DVec3> = world.collect();
@@ -88,7 +87,9 @@ fn fitted(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case> {
     }
     let (filter, compare, wrap, cull, device) = settings.choices()?;
     let chain = MatrixChain::World;
-    let object = |(name, mesh, model): (String, _, _)| Object::new(shown(&name), mesh, model);
+    let object = |Part { name, mesh, model, surface }| {
+        Object::new(shown(&name), mesh, model.as_mat4()).with_surface(surface)
+    };
     let texel = settings.texel()?;
     Ok(Case {
         name: shown(name),
@@ -114,6 +115,7 @@ fn fitted(name: &str, scene: LoadedScene, settings: &Settings) -> Result<Case> {
         shading: Shading::AmbientLambert,
         device,
         assumptions,
+        skipped: scene.skipped,
         facts: Vec::new(),
     })
 }
@@ -159,16 +161,27 @@ fn light(
         let direction = unit(DVec3::from_array(direction), "light.direction")?;
         return directional(bounds, settings, direction, notes);
     }
-    match scene.light {
-        Some(l) => match l.cone_degrees {
-            Some(cone) => {
+    for other in scene.lights.iter().filter(|light| light.kind == LightKind::Point) {
+        let name = &other.name;
+        notes.push(format!("light '{name}' is a point light, which needs six maps: left out"));
+    }
+    let mut mapped = scene.lights.iter().filter(|light| light.kind != LightKind::Point);
+    let first = mapped.next();
+    for LoadedLight { name, .. } in mapped {
+        notes.push(format!("light '{name}' is not the first, left out"));
+    }
+    match first {
+        Some(l) => match l.kind {
+            LightKind::Spot { cone_degrees: cone } => {
                 let reason = "has no effect: the light stands where the scene file says";
                 let fix = "give light.position too, or leave it out";
                 settings.idle(&[("light.target", given.target.is_some())], reason, fix)?;
                 let target = l.position + l.direction * bounds.radius;
                 spot(bounds, settings, l.position, target, Some(given.fovy.unwrap_or(cone)), notes)
             }
-            None => directional(bounds, settings, l.direction, notes),
+            LightKind::Directional | LightKind::Point => {
+                directional(bounds, settings, l.direction, notes)
+            }
         },
         None => {
             notes.push("no light is given: directional along (-0.5, -1, -0.3)".to_string());
@@ -270,8 +283,13 @@ fn camera(
         let reason = format!("{fovy} is not in (0, 180)");
         return Err(Error::bad_input("camera.fovy", reason, "give degrees"));
     }
-    let from_file = scene.camera.filter(|_| given.position.is_none());
-    let fovy_degrees = given.fovy.or(from_file.map(|c| c.fovy_degrees)).unwrap_or(45.0);
+    let perspective = |c: &&LoadedCamera| matches!(c.lens, LoadedLens::Perspective { .. });
+    let from_file = scene.cameras.iter().find(perspective).filter(|_| given.position.is_none());
+    let of_file = from_file.and_then(|c| match c.lens {
+        LoadedLens::Perspective { fovy_degrees } => Some(fovy_degrees),
+        LoadedLens::Orthographic { .. } => None,
+    });
+    let fovy_degrees = given.fovy.or(of_file).unwrap_or(45.0);
     let view = match (given.position, from_file) {
         (Some(position), _) => {
             let position = DVec3::from_array(position);

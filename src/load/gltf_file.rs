@@ -1,12 +1,15 @@
 //! glTF 2.0 and GLB: meshes under their node transforms, the first light and camera.
 
 use super::files::Budget;
-use super::{LoadedCamera, LoadedLight, LoadedScene, accessor, repair, strips};
-use glam::{DVec3, Mat4, Vec3};
+use super::{
+    LightKind, LoadedCamera, LoadedLens, LoadedLight, LoadedScene, Part, accessor, repair, strips,
+};
+use glam::{DMat4, DVec3, Mat4, Vec3};
 use gltf::buffer::Source;
 use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
 use gltf::scene::Transform;
+use gnomon_core::scene::Surface;
 use gnomon_core::{Error, Result};
 use std::collections::HashSet;
 
@@ -131,7 +134,7 @@ impl Reader<'_> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let scene = scene.ok_or_else(|| self.bad("scenes", "there is none", "export a scene"))?;
         let mut seen = HashSet::new();
-        let mut stack: Vec<_> = scene.nodes().map(|n| (n, Mat4::IDENTITY, 0)).collect();
+        let mut stack: Vec<_> = scene.nodes().map(|n| (n, DMat4::IDENTITY, 0)).collect();
         stack.reverse();
         while let Some((node, parent, depth)) = stack.pop() {
             let at = format!("nodes[{}]", node.index());
@@ -149,7 +152,7 @@ impl Reader<'_> {
                 let reason = "its rotation is zero, no quaternion";
                 return Err(self.bad(&at, reason, "give a unit quaternion, or leave it out"));
             }
-            let world = parent * Mat4::from_cols_array_2d(&transform.matrix());
+            let world = parent * Mat4::from_cols_array_2d(&transform.matrix()).as_dmat4();
             if draws_nothing(world) {
                 let reason = "is scaled to nothing: left out with what hangs on it";
                 self.scene.notes.push(format!("{at} {reason}"));
@@ -172,17 +175,17 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn read_node(&mut self, node: &gltf::Node<'_>, world: Mat4) -> Result<()> {
+    fn read_node(&mut self, node: &gltf::Node<'_>, world: DMat4) -> Result<()> {
         if let Some(mesh) = node.mesh() {
             for primitive in mesh.primitives() {
                 self.read_primitive(node, &mesh, &primitive, world)?;
             }
         }
         if let Some(light) = node.light() {
-            self.read_light(&light, world);
+            self.read_light(node, &light, world);
         }
-        if let (Some(camera), None) = (node.camera(), self.scene.camera) {
-            self.read_camera(&camera, world);
+        if let Some(camera) = node.camera() {
+            self.read_camera(node, &camera, world);
         }
         Ok(())
     }
@@ -192,7 +195,7 @@ impl Reader<'_> {
         node: &gltf::Node<'_>,
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
-        world: Mat4,
+        world: DMat4,
     ) -> Result<()> {
         let at = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
         let place = format!("{}: {at}", self.place);
@@ -226,53 +229,63 @@ impl Reader<'_> {
         let mesh_out = repair::mesh(&place, given, colour, &self.budget, &mut self.scene.notes)?;
         let name = node.name().or(mesh.name()).unwrap_or("mesh");
         let part = format!("{name}#{}", self.scene.parts.len());
-        self.scene.parts.push((part, mesh_out, world));
+        self.scene.parts.push(Part {
+            name: part,
+            mesh: mesh_out.into(),
+            model: world,
+            surface: Surface::default(),
+        });
         Ok(())
     }
 
-    fn read_light(&mut self, light: &gltf::khr_lights_punctual::Light<'_>, world: Mat4) {
-        let cone_degrees = match light.kind() {
-            Kind::Directional => None,
-            Kind::Spot { outer_cone_angle, .. } => {
-                Some(2.0 * f64::from(outer_cone_angle) * 180.0 / std::f64::consts::PI)
-            }
-            Kind::Point => {
-                self.scene.notes.push(format!(
-                    "lights[{}] is a point light, which needs six maps: left out",
-                    light.index()
-                ));
-                return;
-            }
+    fn read_light(
+        &mut self,
+        node: &gltf::Node<'_>,
+        light: &gltf::khr_lights_punctual::Light<'_>,
+        world: DMat4,
+    ) {
+        let kind = match light.kind() {
+            Kind::Directional => LightKind::Directional,
+            Kind::Spot { outer_cone_angle, .. } => LightKind::Spot {
+                cone_degrees: 2.0 * f64::from(outer_cone_angle) * 180.0 / std::f64::consts::PI,
+            },
+            Kind::Point => LightKind::Point,
         };
-        if self.scene.light.is_some() {
-            self.scene.notes.push(format!("lights[{}] is not the first, left out", light.index()));
-            return;
-        }
-        self.scene.light = Some(LoadedLight {
+        let index = format!("lights[{}]", light.index());
+        self.scene.lights.push(LoadedLight {
+            name: light.name().or(node.name()).map_or(index, str::to_string),
+            kind,
             position: position(world),
-            direction: axis(world, Vec3::NEG_Z),
-            cone_degrees,
+            direction: axis(world, DVec3::NEG_Z),
         });
     }
 
-    fn read_camera(&mut self, camera: &gltf::Camera<'_>, world: Mat4) {
-        if let gltf::camera::Projection::Perspective(lens) = camera.projection() {
-            self.scene.camera = Some(LoadedCamera {
-                position: position(world),
-                direction: axis(world, Vec3::NEG_Z),
-                up: axis(world, Vec3::Y),
+    fn read_camera(&mut self, node: &gltf::Node<'_>, camera: &gltf::Camera<'_>, world: DMat4) {
+        let lens = match camera.projection() {
+            gltf::camera::Projection::Perspective(lens) => LoadedLens::Perspective {
                 fovy_degrees: f64::from(lens.yfov()) * 180.0 / std::f64::consts::PI,
-            });
-        }
+            },
+            gltf::camera::Projection::Orthographic(lens) => {
+                LoadedLens::Orthographic { height: 2.0 * f64::from(lens.ymag()) }
+            }
+        };
+        let index = format!("cameras[{}]", camera.index());
+        self.scene.cameras.push(LoadedCamera {
+            name: camera.name().or(node.name()).map_or(index, str::to_string),
+            position: position(world),
+            direction: axis(world, DVec3::NEG_Z),
+            up: axis(world, DVec3::Y),
+            lens,
+        });
     }
 }
 
 /// Whether a node is scaled to a line or a point, which is how exporters hide things.
-fn draws_nothing(world: Mat4) -> bool {
+fn draws_nothing(world: DMat4) -> bool {
     let [x, y, z] = [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate());
     let flat = [x.cross(y), y.cross(z), z.cross(x)];
-    let scaled = [x, y, z].iter().filter(|axis| **axis == Vec3::ZERO).count() >= 2;
-    scaled && world.is_finite() && flat.iter().all(|normal| *normal == Vec3::ZERO)
+    let scaled = [x, y, z].iter().filter(|axis| **axis == DVec3::ZERO).count() >= 2;
+    scaled && world.is_finite() && flat.iter().all(|normal| *normal == DVec3::ZERO)
 }
 
 fn base_colour(primitive: &gltf::Primitive<'_>) -> Vec3 {
@@ -280,11 +293,11 @@ fn base_colour(primitive: &gltf::Primitive<'_>) -> Vec3 {
     Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-fn position(world: Mat4) -> DVec3 {
-    world.w_axis.truncate().as_dvec3()
+fn position(world: DMat4) -> DVec3 {
+    world.w_axis.truncate()
 }
 
-fn axis(world: Mat4, local: Vec3) -> DVec3 {
-    let v = world.transform_vector3(local).as_dvec3();
+fn axis(world: DMat4, local: DVec3) -> DVec3 {
+    let v = world.transform_vector3(local);
     v / gnomon_core::view::length(v)
 }

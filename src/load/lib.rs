@@ -21,46 +21,104 @@ mod strips;
 
 use files::Budget;
 pub use files::{Beside, Limits};
-use glam::{DVec3, Mat4};
-use gnomon_core::scene::Mesh;
+use glam::{DMat4, DVec3};
+use gnomon_core::scene::{Mesh, Surface};
 use gnomon_core::{Error, Result};
 use std::path::Path;
+use std::sync::Arc;
 
 /// What a scene file holds.
 #[derive(Clone, Debug, Default)]
 pub struct LoadedScene {
-    /// Name, mesh and world-from-model matrix of each part.
-    pub parts: Vec<(String, Mesh, Mat4)>,
-    /// The first light that can have one shadow map.
-    pub light: Option<LoadedLight>,
-    /// The first perspective camera.
-    pub camera: Option<LoadedCamera>,
-    /// Parts of the file that were left out, each as a sentence.
+    /// What is drawn.
+    pub parts: Vec<Part>,
+    /// Every light of the file, in its order.
+    pub lights: Vec<LoadedLight>,
+    /// Every camera of the file, in its order.
+    pub cameras: Vec<LoadedCamera>,
+    /// What was left out, or taken otherwise than an engine would, and can change a shadow, each as a
+    /// sentence that is said once.
+    pub skipped: Vec<String>,
+    /// What else is worth knowing of the file, each as a sentence.
     pub notes: Vec<String>,
 }
 
-/// A light as the file gives it: no map, no near and far.
+/// A mesh where it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What reports call it.
+    pub name: String,
+    /// Its shape; instances share one.
+    pub mesh: Arc<Mesh>,
+    /// World from model, multiplied along the file's nodes in f64.
+    pub model: DMat4,
+    /// How it is drawn.
+    pub surface: Surface,
+}
+
+impl Part {
+    /// A mesh where its vertices are, drawn on both sides.
+    fn drawn(name: String, mesh: Mesh) -> Self {
+        let (model, surface) = (DMat4::IDENTITY, Surface::default());
+        Self { name, mesh: mesh.into(), model, surface }
+    }
+}
+
+/// A kind of light, with what only it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light; its position is where its shadow camera stands, if the file says so.
+    Directional,
+    /// A cone of this full angle in degrees.
+    Spot {
+        /// Full cone angle, degrees.
+        cone_degrees: f64,
+    },
+    /// Light into all directions, whose shadow is a cube of maps.
+    Point,
+}
+
+/// A light as the file gives it.
+#[derive(Clone, Debug, PartialEq)]
 pub struct LoadedLight {
-    /// Where it stands; meaningless for a directional light.
+    /// Its name, or that of its node.
+    pub name: String,
+    /// Directional, spot or point.
+    pub kind: LightKind,
+    /// Where it stands.
     pub position: DVec3,
     /// Where it shines, unit length.
     pub direction: DVec3,
-    /// Full cone angle of a spot in degrees; `None` for a directional light.
-    pub cone_degrees: Option<f64>,
+}
+
+/// A camera's lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadedLens {
+    /// A pinhole.
+    Perspective {
+        /// Vertical field of view in degrees.
+        fovy_degrees: f64,
+    },
+    /// A box.
+    Orthographic {
+        /// Its height in world units.
+        height: f64,
+    },
 }
 
 /// A camera as the file gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LoadedCamera {
+    /// Its name, or that of its node.
+    pub name: String,
     /// The eye.
     pub position: DVec3,
     /// Where it looks, unit length.
     pub direction: DVec3,
     /// Up.
     pub up: DVec3,
-    /// Vertical field of view in degrees.
-    pub fovy_degrees: f64,
+    /// Its lens.
+    pub lens: LoadedLens,
 }
 
 /// Reads the bytes of a scene file by the extension of its path; the files that it names come from
@@ -89,7 +147,7 @@ pub fn read(
             ));
         }
     };
-    let triangles: usize = scene.parts.iter().map(|(_, mesh, _)| mesh.triangles.len()).sum();
+    let triangles: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
     if triangles == 0 {
         return Err(Error::bad_input(
             path.display().to_string(),
@@ -111,8 +169,7 @@ pub fn read(
 /// Refuses a scene whose world coordinates leave the range of the pipeline.
 fn in_range(place: &str, scene: &LoadedScene) -> Result<()> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (name, mesh, model) in &scene.parts {
-        let model = model.as_dmat4();
+    for Part { name, mesh, model, .. } in &scene.parts {
         for (i, position) in mesh.positions.iter().enumerate() {
             let p = model.transform_point3(position.as_dvec3());
             range::point(|| format!("{place}: part '{name}': vertex {i} in the world"), p)?;

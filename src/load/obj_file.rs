@@ -3,7 +3,7 @@
 use super::files::Budget;
 use super::polygons::Cutter;
 use super::{LoadedScene, repair};
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use gnomon_core::{Error, Result};
 
 /// Bytes in memory for each byte of the file: the shortest face line gives the most.
@@ -178,7 +178,8 @@ impl<'b> Reader<'b> {
             let indices = self.triangles(&part, &mut cutter)?;
             let given = self.compact(i as u32, indices, &mut own);
             let mesh = repair::mesh(&at, given, Vec3::splat(0.8), &self.budget, &mut scene.notes)?;
-            scene.parts.push((format!("{}#{i}", part.name), mesh, Mat4::IDENTITY));
+            let name = format!("{}#{i}", part.name);
+            scene.parts.push(super::Part::drawn(name, mesh));
         }
         cutter.note(&self.place, &mut scene.notes);
         for (count, what) in [

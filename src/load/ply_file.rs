@@ -3,7 +3,7 @@
 use super::files::Budget;
 use super::polygons::Cutter;
 use super::{LoadedScene, repair, strips};
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use gnomon_core::{Error, Result};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
@@ -39,7 +39,7 @@ pub(super) fn read(place: &str, bytes: &[u8], mut budget: Budget<'_>) -> Result<
     triangles.extend(strips.iter().flat_map(Strip::triangles));
     let given = (positions, triangles);
     let mesh = repair::mesh(&place, given, Vec3::splat(0.8), &budget, &mut scene.notes)?;
-    scene.parts.push(("mesh".to_string(), mesh, Mat4::IDENTITY));
+    scene.parts.push(super::Part::drawn("mesh".to_string(), mesh));
     Ok(scene)
 }
 

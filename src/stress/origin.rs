@@ -13,6 +13,7 @@ use crate::scene::{Case, CompareRule, MatrixChain, cases::analytic};
 use crate::shadow::{ShadowMap, breakpoint};
 use crate::view::{Projection, View};
 use glam::{DVec3, Mat4, Vec3, Vec4};
+use std::sync::Arc;
 
 /// The smallest power of two with an ulp above `size`: f32 numbers x ∈ [2ᵉ, 2ᵉ⁺¹) are 2^(e−23) apart.
 fn first_ulp_above(size: f64) -> f64 {
@@ -159,7 +160,8 @@ fn moved(d: f64) -> Case {
     case.camera.view.target += shift;
     for object in &mut case.objects {
         let out = |p: &Vec3| (p.as_dvec3() + shift).as_vec3();
-        object.mesh.positions = object.mesh.positions.iter().map(out).collect();
+        let moved = object.mesh.positions.iter().map(out).collect();
+        Arc::make_mut(&mut object.mesh).positions = moved;
     }
     case
 }

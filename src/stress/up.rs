@@ -3,15 +3,16 @@
 use super::search::{ladder, onset, phases};
 use super::{Fate, Forecast, Row, Sampling, Stress};
 use crate::device::DeviceProfile;
-use crate::load::LoadedScene;
 use crate::load::config::Settings;
 use crate::load::fit;
+use crate::load::{LoadedScene, Part};
 use crate::num::exp2;
 use crate::raster::passes::{Transformed, draw_map, map_depth_buffer};
 use crate::report::Scale;
+use crate::scene::Surface;
 use crate::scene::shapes::{Mesh, cuboid, quad};
 use crate::view::View;
-use glam::{DVec3, Mat4, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 
 /// An up vector with no zero component, of length 1.
 fn up() -> DVec3 {
@@ -65,10 +66,12 @@ fn map(direction: [f64; 3], place: &dyn Fn(Vec3) -> Vec3) -> Vec<f32> {
     let cube = cuboid(Vec3::new(-0.7, -0.3, -0.9), Vec3::new(1.1, 0.8, 0.6), Vec3::ONE);
     let part = |mesh: Mesh| {
         let positions = mesh.positions.iter().map(|&p| place(p)).collect();
-        ("part".to_string(), Mesh { positions, ..mesh }, Mat4::IDENTITY)
+        let mesh = Mesh { positions, ..mesh }.into();
+        let (model, surface) = (DMat4::IDENTITY, Surface::default());
+        Part { name: "part".to_string(), mesh, model, surface }
     };
     let parts = vec![part(floor), part(cube)];
-    let scene = LoadedScene { parts, light: None, camera: None, notes: Vec::new() };
+    let scene = LoadedScene { parts, ..LoadedScene::default() };
     let mut settings = Settings::default();
     settings.light.direction = Some(direction);
     settings.map.size = Some(64);

@@ -10,6 +10,7 @@ use crate::device::DeviceProfile;
 use crate::light::Light;
 use crate::{Error, Result};
 use glam::Mat4;
+use std::sync::Arc;
 
 /// Largest map side and canvas side: 2²⁶ texels.
 pub const LARGEST_SIDE: u32 = 8192;
@@ -79,6 +80,7 @@ impl CaseBuilder {
             shading: Shading::AmbientLambert,
             device: DeviceProfile::Ideal,
             assumptions: Vec::new(),
+            skipped: Vec::new(),
             facts: Vec::new(),
         };
         Self { case }
@@ -86,13 +88,18 @@ impl CaseBuilder {
 
     /// One mesh more, where it stands.
     #[must_use]
-    pub fn mesh(self, name: impl Into<String>, mesh: Mesh) -> Self {
+    pub fn mesh(self, name: impl Into<String>, mesh: impl Into<Arc<Mesh>>) -> Self {
         self.placed(name, mesh, Mat4::IDENTITY)
     }
 
     /// One mesh more, moved by world from model.
     #[must_use]
-    pub fn placed(mut self, name: impl Into<String>, mesh: Mesh, model: Mat4) -> Self {
+    pub fn placed(
+        mut self,
+        name: impl Into<String>,
+        mesh: impl Into<Arc<Mesh>>,
+        model: Mat4,
+    ) -> Self {
         self.case.objects.push(Object::new(name, mesh, model));
         self
     }

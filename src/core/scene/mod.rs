@@ -1,5 +1,6 @@
 //! Scenes and cases: objects, light, camera and the pipeline that a case fixes.
 
+pub mod alpha;
 mod builder;
 pub mod cases;
 pub mod chain;
@@ -8,6 +9,7 @@ pub mod filter;
 pub mod matrix;
 pub mod pipeline;
 pub mod shapes;
+mod surface;
 pub mod texel;
 
 use crate::camera::Camera;
@@ -19,6 +21,8 @@ pub use filter::{Filter, FilterKernel};
 use glam::{DVec3, Mat4, Vec3};
 pub use pipeline::{CompareRule, CoordForm, Cull, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;
+use std::sync::Arc;
+pub use surface::{Sides, Surface};
 pub use texel::{DepthBuffer, TexelFormat};
 
 /// World-space triangles in f64: what truth and analysis call *the scene*. A triangle's index is
@@ -56,10 +60,12 @@ impl Geometry {
 pub struct Object {
     /// What reports call it.
     pub name: String,
-    /// Its shape.
-    pub mesh: Mesh,
+    /// Its shape; instances of one mesh share it.
+    pub mesh: Arc<Mesh>,
     /// World from model, f32 as uploaded.
     pub model: Mat4,
+    /// How it is drawn.
+    pub surface: Surface,
     uploaded: Option<Box<Uploaded>>,
 }
 
@@ -71,10 +77,19 @@ struct Uploaded {
 }
 
 impl Object {
-    /// A mesh in the world; its matrices are formed where a case is drawn.
+    /// A mesh in the world, drawn on both sides, casting and receiving; its matrices are formed where a
+    /// case is drawn.
     #[must_use]
-    pub fn new(name: impl Into<String>, mesh: Mesh, model: Mat4) -> Self {
-        Self { name: name.into(), mesh, model, uploaded: None }
+    pub fn new(name: impl Into<String>, mesh: impl Into<Arc<Mesh>>, model: Mat4) -> Self {
+        let surface = Surface::default();
+        Self { name: name.into(), mesh: mesh.into(), model, surface, uploaded: None }
+    }
+
+    /// This object, drawn in another way.
+    #[must_use]
+    pub fn with_surface(mut self, surface: Surface) -> Self {
+        self.surface = surface;
+        self
     }
 
     /// This object with matrices from outside, as a program uploads them for this map and camera; they
@@ -157,6 +172,9 @@ pub struct Case {
     pub device: DeviceProfile,
     /// What the document leaves open and is fixed here.
     pub assumptions: Vec<String>,
+    /// What was left out of the scene, or taken otherwise than its engine would, and can change a shadow,
+    /// each as a sentence; told in the first lines of every answer.
+    pub skipped: Vec<String>,
     /// Closed-form or printed facts.
     pub facts: Vec<Fact>,
 }

@@ -1,12 +1,18 @@
 //! Meshes that scenes are made of, in f32, vertex for vertex as the documents' programs make them.
 
-use glam::Vec3;
+use glam::{DVec3, Vec2, Vec3};
 
 /// An indexed triangle mesh in its own space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertex positions.
+    /// Vertex positions, f32 as uploaded.
     pub positions: Vec<Vec3>,
+    /// The positions that these are rounded from, which truth goes by; empty where they are exact.
+    pub exact: Vec<DVec3>,
+    /// A normal for each vertex, as the file or the program gives it; empty where there are none.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates for each vertex, of the set that an alpha mask uses; empty where there are none.
+    pub uvs: Vec<Vec2>,
     /// Counter-clockwise triangles.
     pub triangles: Vec<[u32; 3]>,
     /// A colour for each vertex, or one for all; linear RGB in [0, 1].
@@ -19,7 +25,7 @@ impl Mesh {
     /// A mesh of one colour.
     #[must_use]
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, colour: Vec3) -> Self {
-        Self { positions, triangles, colours: vec![colour], smooth: false }
+        Self { positions, triangles, colours: vec![colour], ..Self::default() }
     }
 
     /// The colour of vertex `v`.
@@ -67,7 +73,7 @@ pub fn sphere(radius: f64, around: u32, down: u32, colour: Vec3) -> Mesh {
             triangles.push([below, here + 1, below + 1]);
         }
     }
-    Mesh { positions, triangles, colours: vec![colour], smooth: true }
+    Mesh { smooth: true, ..Mesh::new(positions, triangles, colour) }
 }
 
 /// A cube of side `size` with four vertices of its own on each face.

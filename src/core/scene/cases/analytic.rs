@@ -82,6 +82,7 @@ fn case(scene: Scene) -> Case {
         shading: Shading::Lambert,
         device: DeviceProfile::Ideal,
         assumptions: Vec::new(),
+        skipped: Vec::new(),
         facts: scene.facts,
     }
 }

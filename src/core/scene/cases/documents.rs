@@ -61,7 +61,7 @@ fn triangle_and_plane(plane_model: Mat4) -> Vec<(&'static str, Mesh, Mat4)> {
         ],
         triangles: vec![[0, 1, 2]],
         colours: vec![orange, orange, Vec3::new(1.0, 0.0, 0.0)],
-        smooth: false,
+        ..Mesh::default()
     };
     let at = |x: f32, z: f32| Vec3::new(x, -1.7, z);
     let plane =
@@ -129,6 +129,7 @@ fn colour_case(c: ColourCase<'_>) -> Case {
         shading: Shading::Tint,
         device: DeviceProfile::WebglSwiftshader,
         assumptions: vec![COLOUR_PASS.to_string()],
+        skipped: Vec::new(),
         facts: Vec::new(),
     }
 }
@@ -246,6 +247,7 @@ fn depth_case(
         bias: 0.006,
         shading: Shading::Lambert,
         device: DeviceProfile::WebglSwiftshader,
+        skipped: Vec::new(),
         assumptions: vec![SPHERE_SOURCE.to_string(), "canvas 400 x 400, camera 60 degrees".into()],
         facts: Vec::new(),
     }

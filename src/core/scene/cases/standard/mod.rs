@@ -100,6 +100,7 @@ fn case(scene: Scene<'_>) -> Case {
         shading: Shading::AmbientLambert,
         device: DeviceProfile::Ideal,
         assumptions: Vec::new(),
+        skipped: Vec::new(),
         facts: Vec::new(),
     }
 }
