@@ -104,7 +104,7 @@ fn full_pipeline(case: &Case, field: &Field<'_>, offset: PolygonOffset, bias: f3
     let mut wrong = [0, 0];
     for sample in &field.samples {
         let lookups = subject.lookups(sample.receiver.position, &sample.coords);
-        let taps = map.taps(&device, &case.lookup, &lookups);
+        let taps = map.taps(&device, &case.lookup, &lookups, sample.pixel);
         let lit = visibility(&case.lookup, &lookups, &taps, bias);
         let right = if sample.lit { taps.depths().len() } else { 0 };
         wrong[usize::from(!sample.lit)] += i64::from(lit != right);

@@ -289,7 +289,7 @@ impl<'a> Observer<'a> {
         let Lookup { map, coord, .. } = *looking.main();
         let Looking { pixel, receiver, lookups, .. } = looking;
         let case = self.case();
-        let taps = self.taps(&case.lookup, &lookups);
+        let taps = self.taps(&case.lookup, &lookups, pixel);
         let lit_taps = shadow::visibility(&case.lookup, &lookups, &taps, case.bias);
         let rule = case.lookup.compare;
         let breakpoint = |(i, &d): (usize, &f32)| shadow::breakpoint(rule, taps.z(i), d);
@@ -335,8 +335,8 @@ impl<'a> Observer<'a> {
 
     /// What look-ups read.
     #[must_use]
-    pub fn taps(&self, spec: &LookupSpec, lookups: &[Lookup]) -> Taps {
-        self.subject.map.taps(&self.subject.device, spec, lookups)
+    pub fn taps(&self, spec: &LookupSpec, lookups: &[Lookup], pixel: [u32; 2]) -> Taps {
+        self.subject.map.taps(&self.subject.device, spec, lookups, pixel)
     }
 
     /// The normal of the side of a receiver that the camera sees, not normalised: what shading and *seen*

@@ -80,7 +80,7 @@ impl<'o, 'a> Walk<'o, 'a> {
         if !observer.lenses[main].holds(observer.lenses[main].look(position)?) {
             return None;
         }
-        let taps = observer.taps(&case.lookup, &looking.lookups);
+        let taps = observer.taps(&case.lookup, &looking.lookups, looking.pixel);
         let lit = shadow::visibility(&case.lookup, &looking.lookups, &taps, self.bias);
         let truth = observer.tracer.truth(&receiver, observer.light_end(position)).truth;
         let subject_lit = 2 * lit > taps.depths().len();

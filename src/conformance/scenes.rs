@@ -159,7 +159,7 @@ impl<'a> Scene<'a> {
             let place = [pixel as u32 % width, pixel as u32 / width];
             let spec = LookupSpec { filter: Filter::Linear, ..self.case.lookup };
             let lookups = lookups(&self.subject, &self.geometry, id, place);
-            self.subject.map.taps(&self.device, &spec, &lookups).depths()[0]
+            self.subject.map.taps(&self.device, &spec, &lookups, place).depths()[0]
         })
     }
 
@@ -212,8 +212,9 @@ fn visibility_picture(
         if id == NO_TRIANGLE {
             return 0;
         }
-        let lookups = lookups(subject, geometry, id, [i as u32 % width, i as u32 / width]);
-        let taps = map.taps(&subject.device, lookup, &lookups);
+        let place = [i as u32 % width, i as u32 / width];
+        let lookups = lookups(subject, geometry, id, place);
+        let taps = map.taps(&subject.device, lookup, &lookups, place);
         let lit = shadow::visibility(lookup, &lookups, &taps, bias) as u8;
         if taps.depths().len() == 1 { lit * 255 } else { lit }
     };

@@ -54,7 +54,7 @@ fn lookup(range_test: bool, wrap: Wrap) -> LookupSpec {
 /// Whether the documents' look-up at `coord` says lit.
 fn lit(map: &ShadowMap, spec: &LookupSpec, coord: [f32; 3]) -> bool {
     let lookups = [Lookup::only(coord)];
-    let taps = map.taps(&device(), spec, &lookups);
+    let taps = map.taps(&device(), spec, &lookups, [0; 2]);
     visibility(spec, &lookups, &taps, 0.005) > 0
 }
 

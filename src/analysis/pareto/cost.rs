@@ -14,7 +14,7 @@
 use crate::depth::Packing;
 use crate::depth::arith::Number;
 use crate::depth::packing::{Pair, PairVisitor};
-use crate::scene::{Filter, FilterKernel, TexelFormat};
+use crate::scene::{Filter, TexelFormat};
 use crate::shadow::bias::{Follow, Layers, NormalWeight, Strategy};
 use serde::Serialize;
 use std::cell::Cell;
@@ -40,10 +40,7 @@ impl Cost {
     pub fn of(format: TexelFormat, size: u32, filter: Filter, strategy: Strategy) -> Self {
         let fetches = filter.fetches();
         let comparisons = if filter == Filter::Linear { 1 } else { fetches };
-        let bilinear = match filter.kernel() {
-            FilterKernel::Bilinear { points, .. } => points().len() as u32,
-            FilterKernel::Points { .. } | FilterKernel::Square(_) | FilterKernel::Mix => 0,
-        };
+        let bilinear = filter.hardware_comparisons();
         let unpack = match format {
             TexelFormat::Packed(packing) => unpack_operations(packing),
             TexelFormat::Depth(_) => 0,

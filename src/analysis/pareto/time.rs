@@ -59,7 +59,7 @@ fn lookup(case: &Case, map: &ShadowMap, filter: Filter) -> f64 {
     while started.elapsed().as_secs_f64() < SECONDS {
         for i in done..done + 1024 {
             let lookups = [Lookup { map: i as usize % maps, coord: coord(i), weight: 1.0 }];
-            let taps = map.taps(&device, &spec, &lookups);
+            let taps = map.taps(&device, &spec, &lookups, [i, i / 7]);
             black_box(visibility(&spec, &lookups, &taps, case.bias));
         }
         done += 1024;

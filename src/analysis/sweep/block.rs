@@ -74,10 +74,9 @@ impl Block {
             if *follow == Follow::Receiver {
                 self.z.resize(end, z);
             } else {
-                let (footprint, sample) = (
-                    footprints.only(chart.layout.rect(chart.field.samples[i].map), [u, v]),
-                    &chart.field.samples[i],
-                );
+                let sample = &chart.field.samples[i];
+                let rect = chart.layout.rect(sample.map);
+                let footprint = footprints.only(rect, [u, v], sample.pixel);
                 let tap = |tap: usize| compared(*follow, sample, z, &footprint, tap);
                 self.z.extend((0..end - start).map(tap));
             }

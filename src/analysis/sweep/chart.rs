@@ -91,7 +91,10 @@ impl<'f, 'a> Chart<'f, 'a> {
             && shadow::fixed_coordinates(&device, TexelFormat::Packed(Packing::R8));
         let sampling = Sampling { filter, wrap: case.lookup.wrap, fixed };
         let receivers = &field.receivers;
-        let at = |i: usize| (layout.rect(field.samples[i].map), [receivers.u[i], receivers.v[i]]);
+        let at = |i: usize| {
+            let sample = &field.samples[i];
+            (layout.rect(sample.map), [receivers.u[i], receivers.v[i]], sample.pixel)
+        };
         let footprints = Footprints::of(sampling, &at, receivers.len());
         // Where receivers choose among maps, a move may lead them to any.
         let slots = match field.chooses() {

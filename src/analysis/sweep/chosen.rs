@@ -75,7 +75,7 @@ impl Chart<'_, '_> {
             false => self.field.in_map(sample, map),
         };
         let mut footprints = Footprints::new(self.sampling, true);
-        let footprint = footprints.only(self.layout.rect(map), [coord[0], coord[1]]);
+        let footprint = footprints.only(self.layout.rect(map), [coord[0], coord[1]], sample.pixel);
         let surface = |_: usize, texel: u32| -> (StoredCaster, f64) {
             let place = store.places.of(texel);
             let triangle = store.drawn.triangle[place];

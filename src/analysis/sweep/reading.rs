@@ -113,7 +113,7 @@ impl Chart<'_, '_> {
             let at = Glance {
                 sample,
                 coord: sample.coord,
-                footprint: footprints.only(self.layout.rect(sample.map), [u, v]),
+                footprint: footprints.only(self.layout.rect(sample.map), [u, v], sample.pixel),
             };
             self.look(store, recipe, &at, &|tap, texel| surface(i, tap, texel))
         };
@@ -131,7 +131,11 @@ impl Chart<'_, '_> {
             let at = Glance {
                 sample,
                 coord,
-                footprint: footprints.only(self.layout.rect(sample.map), [coord[0], coord[1]]),
+                footprint: footprints.only(
+                    self.layout.rect(sample.map),
+                    [coord[0], coord[1]],
+                    sample.pixel,
+                ),
             };
             let mut looks = self.look(store, recipe, &at, &|tap, texel| surface(i, tap, texel));
             let lit = |l: &Look| case.lookup.compare.is_lit(l.z, l.stored, 0.0);

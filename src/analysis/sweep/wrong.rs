@@ -101,8 +101,9 @@ impl Chart<'_, '_> {
                 found.iter_mut().for_each(|list| list.extend(Wrong::unlooked(receiver, lit)));
                 continue;
             };
-            let footprint =
-                footprints.only(self.layout.rect(self.field.samples[i].map), [coord[0], coord[1]]);
+            let sample = &self.field.samples[i];
+            let rect = self.layout.rect(sample.map);
+            let footprint = footprints.only(rect, [coord[0], coord[1]], sample.pixel);
             let look = Look { lit, coord, footprint, slots: &[] };
             let agrees = |error: f32| screen.as_ref().is_some_and(|s| s.agrees(&look, error));
             if agrees(widest) {
@@ -189,10 +190,11 @@ impl Verdicts<'_> {
             let i = receiver as usize;
             let (coord, lit) = (receivers.coord(i), receivers.lit[i]);
             let footprint = match follows {
-                true => footprints.only(
-                    self.chart.layout.rect(self.chart.field.samples[i].map),
-                    [coord[0], coord[1]],
-                ),
+                true => {
+                    let sample = &self.chart.field.samples[i];
+                    let rect = self.chart.layout.rect(sample.map);
+                    footprints.only(rect, [coord[0], coord[1]], sample.pixel)
+                }
                 false => self.chart.reads.footprint(i),
             };
             let slots = self.chart.reads.slots(i);

@@ -10,6 +10,7 @@ pub mod matrix;
 pub mod pipeline;
 pub mod shapes;
 mod surface;
+mod tent;
 pub mod texel;
 
 use crate::camera::Camera;
@@ -17,12 +18,14 @@ use crate::device::DeviceProfile;
 use crate::light::{Layout, Light, Map};
 pub use builder::{CaseBuilder, LARGEST_SIDE};
 pub use chain::{Matrices, MatrixChain, Stages};
+pub use disk::TurnedDisk;
 pub use filter::{Filter, FilterKernel};
 use glam::{DVec3, Mat4, Vec3};
 pub use pipeline::{CompareRule, CoordForm, Cull, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;
 use std::sync::Arc;
 pub use surface::{Sides, Surface};
+pub use tent::AxisWeights;
 pub use texel::{DepthBuffer, TexelFormat};
 
 /// World-space triangles in f64: what truth and analysis call *the scene*. A triangle's index is

@@ -119,21 +119,27 @@ impl Taps {
 }
 
 impl ShadowMap {
-    /// Reads what a receiver's look-ups ask for. Of two that are mixed, one outside its map's square is lit
+    /// Reads what the look-ups of a receiver under a pixel of the canvas ask for. Of two that are mixed, one outside its map's square is lit
     /// by the range test alone; of one alone the caller sees to it ([`super::visibility`]).
     ///
     /// # Panics
     /// Without a look-up.
     #[must_use]
-    pub fn taps(&self, device: &Device, spec: &LookupSpec, lookups: &[Lookup]) -> Taps {
+    pub fn taps(
+        &self,
+        device: &Device,
+        spec: &LookupSpec,
+        lookups: &[Lookup],
+        pixel: [u32; 2],
+    ) -> Taps {
         let outside = |l: &Lookup| spec.range_test && !super::in_square(l.coord);
         match lookups {
-            [only] => self.taps_of(device, spec, only),
+            [only] => self.taps_of(device, spec, only, pixel),
             [first, second, ..] => {
                 let taps = |l: &Lookup| {
                     let [u, v, z] = l.coord;
                     let z = if outside(l) { f32::NEG_INFINITY } else { z };
-                    self.taps_of(device, spec, &Lookup { coord: [u, v, z], ..*l })
+                    self.taps_of(device, spec, &Lookup { coord: [u, v, z], ..*l }, pixel)
                 };
                 taps(first).mixed_with(taps(second), [first.weight, second.weight])
             }
@@ -141,7 +147,13 @@ impl ShadowMap {
         }
     }
 
-    fn taps_of(&self, device: &Device, spec: &LookupSpec, lookup: &Lookup) -> Taps {
+    fn taps_of(
+        &self,
+        device: &Device,
+        spec: &LookupSpec,
+        lookup: &Lookup,
+        pixel: [u32; 2],
+    ) -> Taps {
         let Lookup { map, coord: [u, v, z], .. } = *lookup;
         if spec.filter == Filter::Nearest {
             let texel = self.nearest(device, spec.wrap, lookup);
@@ -156,7 +168,7 @@ impl ShadowMap {
         let fixed = fixed_coordinates(device, self.format());
         let sampling = Sampling { filter: spec.filter, wrap: spec.wrap, fixed };
         let mut footprints = Footprints::new(sampling, false);
-        let taps = read(self, device, &footprints.only(self.layout().rect(map), [u, v]));
+        let taps = read(self, device, &footprints.only(self.layout().rect(map), [u, v], pixel));
         Taps { runs: Few::One(Run { end: taps.depths.len(), map, z }), ..taps }
     }
 

@@ -1,6 +1,6 @@
 //! The texels under a look-up, before any of them is read: positions, weights, offsets.
 
-use super::place::Place;
+use super::place::{Near, Place};
 use super::sampler;
 use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
@@ -83,25 +83,27 @@ impl Footprints {
             FilterKernel::Points { points, .. } => Some(points().len()),
             FilterKernel::Square(n) => Some(n * n),
             FilterKernel::Mix => Some(4),
-            FilterKernel::Bilinear { .. } => None,
+            FilterKernel::Bilinear { .. }
+            | FilterKernel::Separable { .. }
+            | FilterKernel::Turned(_) => None,
         };
         let (texels, weights, offsets, mixed) = Default::default();
         Self { sampling, with_offsets, each, starts: vec![0], texels, weights, offsets, mixed }
     }
 
-    /// The footprints of many look-ups, without the offsets of their taps; `at` gives the map's rectangle
-    /// and the coordinates in it.
+    /// The footprints of many look-ups, without the offsets of their taps; `at` gives the map's rectangle,
+    /// the coordinates in it and the pixel that looks.
     #[must_use]
     pub fn of<'r>(
         sampling: Sampling,
-        at: &(impl Fn(usize) -> (&'r Rect, [f32; 2]) + Sync),
+        at: &(impl Fn(usize) -> (&'r Rect, [f32; 2], [u32; 2]) + Sync),
         count: usize,
     ) -> Self {
         let starts = (0..count).into_par_iter().step_by(RUN);
         let run = |start: usize| {
             let mut run = Self::new(sampling, false);
-            for (rect, uv) in (start..count.min(start + RUN)).map(at) {
-                run.push(rect, uv);
+            for (rect, uv, pixel) in (start..count.min(start + RUN)).map(at) {
+                run.push(rect, uv, pixel);
             }
             run
         };
@@ -119,14 +121,14 @@ impl Footprints {
         self
     }
 
-    /// Adds the footprint of a look-up at (u, v).
+    /// Adds the footprint of a look-up at (u, v) by a pixel of the canvas.
     ///
     /// # Panics
     /// From 2³² taps on.
     #[inline]
-    pub fn push(&mut self, rect: &Rect, uv: [f32; 2]) {
+    pub fn push(&mut self, rect: &Rect, uv: [f32; 2], pixel: [u32; 2]) {
         let sampling = self.sampling;
-        let at = Place::new(&sampling, rect, uv);
+        let at = Place::new(&sampling, rect, uv, pixel);
         self.place(&at);
         if self.with_offsets {
             self.place_offsets(&at);
@@ -139,9 +141,9 @@ impl Footprints {
 
     /// The footprint of a look-up at (u, v), in place of all others.
     #[inline]
-    pub fn only(&mut self, rect: &Rect, uv: [f32; 2]) -> Footprint<'_> {
+    pub fn only(&mut self, rect: &Rect, uv: [f32; 2], pixel: [u32; 2]) -> Footprint<'_> {
         self.clear();
-        self.push(rect, uv);
+        self.push(rect, uv, pixel);
         self.get(0)
     }
 
@@ -202,7 +204,11 @@ impl Footprints {
                 self.texels.extend(points().iter().map(|&p| at.nearest(p)));
             }
             FilterKernel::Square(n) => self.square(at, n),
-            FilterKernel::Bilinear { points, .. } => self.bilinear(at, points()),
+            FilterKernel::Bilinear { points, .. } => self.bilinear(at, points().iter().copied()),
+            FilterKernel::Turned(disk) => {
+                self.bilinear(at, (0..disk.count).map(|i| disk.point(i, at.pixel)));
+            }
+            FilterKernel::Separable { n, weights } => self.weighted(at.covered(n, weights), 1.0),
             FilterKernel::Mix => self.mix(at),
         }
     }
@@ -218,10 +224,13 @@ impl Footprints {
                 self.offsets.extend((-half..=half).flat_map(row).map(|p| at.offset(p)));
             }
             FilterKernel::Bilinear { points, .. } => {
-                let points = points();
-                let around = points.iter().flat_map(|&p| at.around(p));
-                self.offsets.extend(around.filter(|near| near.weight > 0.0).map(|n| n.offset));
+                self.offsets_of(points().iter().flat_map(|&p| at.around(p)));
             }
+            FilterKernel::Turned(disk) => {
+                let points = (0..disk.count).map(|i| disk.point(i, at.pixel));
+                self.offsets_of(points.flat_map(|p| at.around(p)));
+            }
+            FilterKernel::Separable { n, weights } => self.offsets_of(at.covered(n, weights)),
             FilterKernel::Mix => self.offsets.extend([at.offset([0.0; 2]); 4]),
         }
     }
@@ -241,10 +250,20 @@ impl Footprints {
         }
     }
 
-    /// Bilinear comparisons around each point; comparisons of weight 0 are left out.
-    fn bilinear(&mut self, at: &Place<'_>, points: &[[f32; 2]]) {
+    /// The offsets of comparisons, those of weight 0 left out.
+    fn offsets_of(&mut self, around: impl Iterator<Item = Near>) {
+        self.offsets.extend(around.filter(|near| near.weight > 0.0).map(|near| near.offset));
+    }
+
+    /// Bilinear comparisons around each point.
+    fn bilinear(&mut self, at: &Place<'_>, points: impl ExactSizeIterator<Item = [f32; 2]>) {
         let share = 1.0 / points.len() as f64;
-        for near in points.iter().flat_map(|&point| at.around(point)) {
+        self.weighted(points.flat_map(|point| at.around(point)), share);
+    }
+
+    /// Comparisons by their weights times `share`; those of weight 0 are left out.
+    fn weighted(&mut self, around: impl Iterator<Item = Near>, share: f64) {
+        for near in around {
             if near.weight > 0.0 {
                 self.texels.push(near.texel);
                 self.weights.push(near.weight * share);
@@ -278,10 +297,10 @@ mod tests {
     #[test]
     fn shares_add_up_and_taps_stay_within_the_stated_half_width() {
         for &filter in Filter::ALL.iter().filter(|&&f| f != Filter::Linear) {
-            let uv = |i: usize| [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
+            let uv = |i: u32| [0.3 + i as f32 * 1.7e-3, 0.6 - i as f32 * 1.1e-3];
             let mut footprints = Footprints::new(sampling(filter), true);
-            for i in 0..200 {
-                let footprint = footprints.only(&Rect::whole([64; 2]), uv(i));
+            for i in 0..200u32 {
+                let footprint = footprints.only(&Rect::whole([64; 2]), uv(i), [i, 3 * i]);
                 let Footprint { texels, offsets, .. } = footprint;
                 let sum: f64 = (0..texels.len()).map(|tap| footprint.share(tap)).sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{filter}: shares add up to {sum}");
@@ -297,7 +316,7 @@ mod tests {
     #[test]
     fn a_bilinear_comparison_at_a_texel_centre_reads_that_texel_alone() {
         let mut footprints = Footprints::new(sampling(Filter::Bilinear), false);
-        let footprint = footprints.only(&Rect::whole([8; 2]), [2.5 / 8.0, 5.5 / 8.0]);
+        let footprint = footprints.only(&Rect::whole([8; 2]), [2.5 / 8.0, 5.5 / 8.0], [0; 2]);
         assert_eq!((footprint.texels, footprint.weights), (&[42][..], &[1.0][..]));
     }
 
@@ -306,11 +325,12 @@ mod tests {
         for &filter in Filter::ALL {
             let (sampling, count) = (sampling(filter), RUN + 100);
             let rect = Rect::whole([32, 16]);
+            let pixel = |i: usize| [i as u32 % 64, i as u32 / 64];
             let uv = |i: usize| [i as f32 * 1.9e-4, 0.99 - i as f32 * 2.1e-4];
-            let footprints = Footprints::of(sampling, &|i| (&rect, uv(i)), count);
+            let footprints = Footprints::of(sampling, &|i| (&rect, uv(i), pixel(i)), count);
             let mut one = Footprints::new(sampling, false);
             for i in 0..count {
-                assert_eq!(footprints.get(i), one.only(&rect, uv(i)), "{filter} at {i}");
+                assert_eq!(footprints.get(i), one.only(&rect, uv(i), pixel(i)), "{filter} at {i}");
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::sampler;
 use super::sampling::{Offset, Sampling};
 use crate::light::Rect;
+use crate::scene::AxisWeights;
 
 /// Where a look-up happens.
 pub(super) struct Place<'s> {
@@ -11,6 +12,15 @@ pub(super) struct Place<'s> {
     pub(super) rect: &'s Rect,
     /// In the texture.
     pub(super) uv: [f32; 2],
+    /// The pixel that looks.
+    pub(super) pixel: [u32; 2],
+}
+
+/// The texels that a separable kernel covers along an axis.
+struct Covered {
+    texels: [u32; 8],
+    weights: AxisWeights,
+    centres: [f32; 8],
 }
 
 /// The two texels along an axis that a comparison lies between.
@@ -38,8 +48,13 @@ pub(super) struct Near {
 
 impl<'s> Place<'s> {
     /// A look-up at the map's own coordinates.
-    pub(super) fn new(sampling: &'s Sampling, rect: &'s Rect, uv: [f32; 2]) -> Self {
-        Self { sampling, rect, uv: rect.in_texture(uv) }
+    pub(super) fn new(
+        sampling: &'s Sampling,
+        rect: &'s Rect,
+        uv: [f32; 2],
+        pixel: [u32; 2],
+    ) -> Self {
+        Self { sampling, rect, uv: rect.in_texture(uv), pixel }
     }
 
     /// An offset in texels as one in u or v of the texture: f32 product with f32(1/size).
@@ -107,5 +122,42 @@ impl<'s> Place<'s> {
         let low = (f64::from(c) * size - 0.5).floor() + 0.5;
         let from = |position: f64| (position / size - f64::from(self.uv[axis])) as f32;
         Between { texels: pair, fraction, centres: [from(low), from(low + 1.0)] }
+    }
+
+    /// The (n + 1)² texels of a separable kernel, row by row; each stands for its own centre.
+    pub(super) fn covered(
+        &self,
+        n: usize,
+        weights: fn(f32) -> AxisWeights,
+    ) -> impl Iterator<Item = Near> + use<> {
+        let [xs, ys] = [0, 1].map(|axis| self.covered_along(axis, n, weights));
+        let (first, row) = (self.rect.first, self.rect.texture[0]);
+        let Rect { size, texture, .. } = *self.rect;
+        let grown = [0, 1].map(|axis| texture[axis] as f32 / size[axis] as f32);
+        (0..=n).flat_map(move |y| (0..=n).map(move |x| (x, y))).map(move |(x, y)| {
+            let centre = [xs.centres[x] * grown[0], ys.centres[y] * grown[1]];
+            Near {
+                texel: first + ys.texels[y] * row + xs.texels[x],
+                weight: xs.weights[x] * ys.weights[y],
+                offset: Offset { sample: centre, centre },
+            }
+        })
+    }
+
+    fn covered_along(&self, axis: usize, n: usize, weights: fn(f32) -> AxisWeights) -> Covered {
+        let (size, wrap) = (self.rect.texture[axis], self.sampling.wrap);
+        let (first, fraction) = sampler::between_centres(self.uv[axis], size, wrap);
+        let before = (n as i64 - 1) / 2;
+        let index = |k: usize| first.saturating_add(k as i64 - before);
+        let low = (f64::from(self.uv[axis]) * f64::from(size) - 0.5).floor() + 0.5;
+        let centre = |k: usize| {
+            let texels = low + (k as i64 - before) as f64;
+            (texels / f64::from(size) - f64::from(self.uv[axis])) as f32
+        };
+        Covered {
+            texels: std::array::from_fn(|k| sampler::wrapped_texel(index(k), size, wrap)),
+            weights: weights(fraction),
+            centres: std::array::from_fn(centre),
+        }
     }
 }

@@ -24,22 +24,38 @@ pub fn nearest_texel(c: f32, size: u32, wrap: Wrap, fixed16: bool) -> u32 {
     index.clamp(0, last) as u32
 }
 
-/// The two texels along one axis that LINEAR mixes, and the weight of the second.
+/// Between which two texel centres along one axis coordinate `c` lies: the index of the first, before
+/// `wrap` brings it into the texture, and the share of the way to the second.
 #[must_use]
 #[inline]
-pub fn linear_axis(c: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
+pub fn between_centres(c: f32, size: u32, wrap: Wrap) -> (i64, f32) {
     let wrapped = match wrap {
         Wrap::Clamp => c,
         Wrap::Repeat => c - c.floor(),
     };
     let position = wrapped * size as f32 - 0.5;
     let base = position.floor();
-    let index = |i: i64| match wrap {
-        Wrap::Clamp => i.clamp(0, i64::from(size) - 1) as u32,
-        Wrap::Repeat => i.rem_euclid(i64::from(size)) as u32,
-    };
     // Far outside the map the cast saturates.
-    ([index(base as i64), index((base as i64).saturating_add(1))], position - base)
+    (base as i64, position - base)
+}
+
+/// The texel along one axis that an index beyond the texture stands for.
+#[must_use]
+#[inline]
+pub fn wrapped_texel(index: i64, size: u32, wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Clamp => index.clamp(0, i64::from(size) - 1) as u32,
+        Wrap::Repeat => index.rem_euclid(i64::from(size)) as u32,
+    }
+}
+
+/// The two texels along one axis that LINEAR mixes, and the weight of the second.
+#[must_use]
+#[inline]
+pub fn linear_axis(c: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    let (first, fraction) = between_centres(c, size, wrap);
+    let texel = |i: i64| wrapped_texel(i, size, wrap);
+    ([texel(first), texel(first.saturating_add(1))], fraction)
 }
 
 /// LINEAR of one channel: x before y, a + (b − a)·t with each operation rounded to f32.
