@@ -30,6 +30,8 @@ pub(super) struct Counts<'o> {
     all: Vec<ObjectTally>,
     interior: Vec<ObjectTally>,
     shadow_interior: u64,
+    /// Interior receivers that face away and are truly shadowed, and those of them that are lit.
+    turned_away: [u64; 2],
     /// By the receiver's object.
     leaks: Vec<u64>,
     /// Receivers that an object truly shadows, and those that the map keeps dark at least partly.
@@ -77,6 +79,7 @@ impl<'o> Counts<'o> {
             all: vec![ObjectTally::default(); objects],
             interior: vec![ObjectTally::default(); objects],
             shadow_interior: 0,
+            turned_away: [0; 2],
             leaks: vec![0; objects],
             cast: vec![[0; 2]; objects],
         }
@@ -100,8 +103,12 @@ impl<'o> Counts<'o> {
     fn interior(&mut self, o: &Observation) {
         self.interior[usize::from(o.object)].add(o);
         if matches!(o.answer.truth, Truth::Shadowed(_)) {
+            let leaks = u64::from(o.visibility() > 0.0);
             self.shadow_interior += 1;
-            self.leaks[usize::from(o.object)] += u64::from(o.visibility() > 0.0);
+            self.leaks[usize::from(o.object)] += leaks;
+            if o.standing == Standing::FacingAway {
+                sum(&mut self.turned_away, &[1, leaks]);
+            }
         }
     }
 
@@ -140,6 +147,7 @@ impl<'o> Counts<'o> {
         self.all.iter_mut().zip(&other.all).for_each(|(a, b)| a.merge(b));
         self.interior.iter_mut().zip(&other.interior).for_each(|(a, b)| a.merge(b));
         self.shadow_interior += other.shadow_interior;
+        sum(&mut self.turned_away, &other.turned_away);
         sum(&mut self.leaks, &other.leaks);
         self.cast.iter_mut().zip(&other.cast).for_each(|(a, b)| sum(a, b));
         self
@@ -184,6 +192,7 @@ impl<'o> Counts<'o> {
             *found.leaks_by_object.entry(object.name.clone()).or_default() += leaks;
         }
         found.leak_rate = share(found.leaks, found.receivers);
+        [found.facing_away, found.leaks_facing_away] = self.turned_away;
         found
     }
 

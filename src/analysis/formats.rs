@@ -2,6 +2,7 @@
 
 use super::measure::unmeasured;
 use super::measurement::share;
+use super::outside::named;
 use super::sweep::chart::{Attachment, Chart};
 use super::sweep::curve::SweptCurve;
 use super::sweep::pictures::Gallery;
@@ -308,15 +309,15 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         let texel = middle.map_or(f64::NAN, |s| field.site(s, &case.layout()).texel_world);
         done();
         let none = field.samples.is_empty().then(|| unmeasured(case, step));
-        (formats, section.folded(), texel, none)
+        (formats, section.folded(), texel, (none, field.first_lines()))
     };
     let measured: Vec<_> = cases.par_iter().zip(&ids).enumerate().map(one).collect();
     let mut results: Vec<Value> = Vec::new();
     let mut sections = Vec::new();
     let mut alike = 0;
     let mut criticals: Vec<Option<f64>> = Vec::new();
-    let mut missing: Vec<String> = Vec::new();
-    for (case, (formats, section, texel, none)) in cases.iter().zip(measured) {
+    let (mut first, mut missing): (Vec<String>, Vec<String>) = Default::default();
+    for (case, (formats, section, texel, (none, lines))) in cases.iter().zip(measured) {
         let of = |f: TexelFormat| {
             formats.iter().find(|m| m.format == f && !m.reversed).and_then(|m| m.critical)
         };
@@ -334,6 +335,7 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         }
         sections.push(section);
         missing.extend(none);
+        first.extend(named(cases.len(), &case.name, &lines));
     }
     let mut overview = Section::new(
         "overview",
@@ -350,7 +352,7 @@ pub fn report(cases: &[Case], profile: Profile, seed: u64, done: impl Fn() + Syn
         title: "8-bit versus 16-bit versus 24-bit versus float depth".into(),
         question: "Which bias does each depth format need, and what is left at the documents' own?"
             .into(),
-        lead: missing.iter().map(|why| format!("{why}.")).chain([format!(
+        lead: first.into_iter().chain(missing.iter().map(|why| format!("{why}."))).chain([format!(
             "In {alike} of {} cases 16 bits need at most a tenth more bias than 32-bit float: there the slope of the surfaces decides, not the format.",
             cases.len()
         )]).collect(),

@@ -8,6 +8,7 @@ use super::effort::{Count, Effort};
 use super::interior;
 use super::measurement::{Length, Measurement, Samples, Wrongs, half_measured};
 use super::observe::{Observation, Observer};
+use super::outside::OutsideCounts;
 use super::verdict::counted::Measure;
 use super::walk::Walk;
 use crate::raster::NO_TRIANGLE;
@@ -80,7 +81,13 @@ fn summarize(
         || stripe_period(observer, &counts.striped),
     );
     let (interior, interior_total) = counts.interiors(case);
+    let outside = OutsideCounts::of(observer, observations);
+    let left_out = outside.left_out(observer);
     let samples = samples(case, counts.samples.clone(), observations.len(), step);
+    let shadow_interior = counts.shadow_interior(case);
+    let measured = lit + shadowed > 0;
+    let mut first_lines = outside.first_lines(observer, measured);
+    first_lines.extend(shadow_interior.turned_away().filter(|_| measured));
     let by_measure = observer.counted_by_measure(observations);
     let seen_of = |kind: Kind| Some((kind, by_measure.seen_of(kind)?));
     let mut measurement = Measurement {
@@ -92,7 +99,7 @@ fn summarize(
         filter: case.lookup.filter.name(),
         compare: case.lookup.compare.name(),
         bias: case.bias,
-        samples,
+        samples: Samples { left_out: left_out.clone(), ..samples },
         lit,
         shadowed,
         false_shadow: counts.wrongs(true, lit),
@@ -107,17 +114,22 @@ fn summarize(
         exact_gap: counts.exact_gap,
         interior_total,
         interior,
-        shadow_interior: counts.shadow_interior(case),
+        shadow_interior,
         by_object: counts.by_object(case),
         lost_shadows: counts.lost_shadows(case),
+        left_out,
+        lost_casters: outside.lost_casters(observer),
         peter_panning,
         stripe_period,
         misordered_texels: observer.misordered_texels(),
         assumptions: case.assumptions.clone(),
         facts: case.facts.clone(),
+        first_lines,
         verdict: String::new(),
     };
-    measurement.verdict = verdict(&measurement);
+    let said = verdict(&measurement);
+    let lines = measurement.first_lines.iter().chain([&said]);
+    measurement.verdict = lines.map(String::as_str).collect::<Vec<_>>().join(" ");
     measurement
 }
 
@@ -135,8 +147,9 @@ pub fn unmeasured(case: &Case, step: u32) -> String {
     let (observations, _) = observer.observe_all(step);
     let mut standings = Samples::default();
     observations.iter().for_each(|o| standings.add(o));
+    let left_out = OutsideCounts::of(&observer, &observations).left_out(&observer);
     let samples = samples(case, standings, observations.len(), step);
-    format!("{}: {}", case.name, samples.unmeasured())
+    format!("{}: {}", case.name, Samples { left_out, ..samples }.unmeasured())
 }
 
 /// At most so many samples are walked; they are spread evenly over the list.

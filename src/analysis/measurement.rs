@@ -4,6 +4,7 @@ use super::classify::{Artifact, Kind, Side};
 use super::curve::{Errors, Thresholds};
 use super::ladder::Rung;
 use super::observe::Observation;
+use super::outside::{LeftOut, LostCaster, reasons};
 use crate::scene::Fact;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -29,13 +30,16 @@ pub struct Samples {
     pub outside_map_shadowed: u64,
     /// Triangles that met a counted receiver itself.
     pub touching: u64,
+    /// Receivers outside the map or the cone by reason; results have them beside the samples.
+    #[serde(skip)]
+    pub left_out: Vec<LeftOut>,
 }
 
 impl Samples {
     /// Why no receiver was measured and what to change, for the end of a sentence.
     #[must_use]
     pub fn unmeasured(&self) -> String {
-        let reasons = [
+        let standings = [
             (
                 self.facing_away,
                 "face away from the light",
@@ -57,10 +61,17 @@ impl Samples {
                 "move the light out of the planes of the surfaces",
             ),
         ];
-        let largest = reasons.iter().rev().max_by_key(|reason| reason.0);
-        let seen = reasons.iter().any(|reason| reason.0 > 0);
+        let largest = standings.iter().rev().max_by_key(|reason| reason.0);
+        let seen = standings.iter().any(|reason| reason.0 > 0);
         let fix = largest.filter(|_| seen).map_or("turn the camera towards the scene", |r| r.2);
-        let counts = reasons.iter().map(|(n, what, _)| format!("{n} {what}"));
+        let outside: u64 = self.left_out.iter().map(|left| left.receivers).sum();
+        let fix = match largest.is_some_and(|r| r.0 > 0 && r.0 <= outside) {
+            true => {
+                format!("{outside} lie outside the light's volume{}", reasons(&self.left_out))
+            }
+            false => fix.to_string(),
+        };
+        let counts = standings.iter().map(|(n, what, _)| format!("{n} {what}"));
         let background = format!("{} are background", self.background);
         let list: Vec<String> = std::iter::once(background).chain(counts).collect();
         format!("no receiver was measured (of {} pixels {}); {fix}", self.pixels, list.join(", "))
@@ -178,6 +189,35 @@ pub struct ShadowInterior {
     pub leak_rate: Option<f64>,
     /// Leaks by the receiver's object.
     pub leaks_by_object: BTreeMap<String, u64>,
+    /// Receivers among them that face away from the light.
+    #[serde(skip_serializing_if = "is_none")]
+    pub facing_away: u64,
+    /// Leaks among them that face away from the light.
+    #[serde(skip_serializing_if = "is_none")]
+    pub leaks_facing_away: u64,
+}
+
+/// Whether a count is 0.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields so")]
+const fn is_none(count: &u64) -> bool {
+    *count == 0
+}
+
+/// Faces turned away that leak in more than this share are told of.
+const TOLD: f64 = 0.01;
+
+impl ShadowInterior {
+    /// What faces that are turned away from the light show, in one sentence; nothing where that is little.
+    pub(super) fn turned_away(&self) -> Option<String> {
+        let leaks = share(self.leaks_facing_away, self.facing_away)?;
+        let told = "Faces turned away from the light count in no rate";
+        (leaks > TOLD).then(|| {
+            format!(
+                "{told}: away from every edge the map lights {:.1} % of them ({} of {}), which a material shows that does not shade by N·L.",
+                100.0 * leaks, self.leaks_facing_away, self.facing_away
+            )
+        })
+    }
 }
 
 /// Exact depth differences between truly shadowed receivers and their first occluder.
@@ -255,6 +295,12 @@ pub struct Measurement {
     pub by_object: BTreeMap<String, ObjectTally>,
     /// Objects whose whole shadow is gone although it covers counted receivers.
     pub lost_shadows: Vec<String>,
+    /// Receivers outside the map or the cone by reason, with the values that would include them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
+    /// Objects that shadow receivers from before near or beyond far, where no map draws them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lost_casters: Vec<LostCaster>,
     /// Longest falsely lit strip by peter-panning.
     pub peter_panning: Option<Length>,
     /// Mean distance of acne stripes without bias.
@@ -265,6 +311,19 @@ pub struct Measurement {
     pub assumptions: Vec<String>,
     /// Known facts.
     pub facts: Vec<Fact>,
-    /// One sentence.
+    /// What was left out of the scene and can change a shadow, what lies outside the light's volume, which
+    /// casters are cut off, what faces turned away show: sentences that come before all else.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub first_lines: Vec<String>,
+    /// The first lines, then what the numbers say in one sentence.
     pub verdict: String,
+}
+
+impl Measurement {
+    /// The verdict without its first lines.
+    #[must_use]
+    pub fn after_first_lines(&self) -> &str {
+        let first = self.first_lines.join(" ");
+        self.verdict.strip_prefix(&first).unwrap_or(&self.verdict).trim_start()
+    }
 }

@@ -5,6 +5,7 @@ use super::effort::{Count, TruthBy};
 use super::foremost::{Foremost, Seen};
 use super::observation::{Observation, Standing};
 use super::observe::{Looking, Observer, Spot};
+use super::outside::OutsideCounts;
 use crate::light::Lens;
 use crate::raster::TexelSet;
 use crate::truth::{Answer, Answers, Receiver, izb};
@@ -45,16 +46,27 @@ impl Observer<'_> {
     }
 
     /// Every receiver that counts under every `step`-th pixel, with its exact coordinates in its main map
-    /// and its truth.
-    pub(super) fn counted(&self, step: u32) -> Vec<(Looking, DVec3, Answer)> {
+    /// and its truth; beside them what lies outside.
+    pub(super) fn counted(&self, step: u32) -> (Vec<(Looking, DVec3, Answer)>, OutsideCounts) {
         let (receivers, seen) = self.seen(step);
         let (answers, _) = self.answers(&receivers);
-        let counted = seen.into_par_iter().enumerate().filter_map(|(k, looking)| {
-            let answer = answers.get(k);
-            let witness = self.witnessed(&looking, &answer);
-            (witness.standing == Standing::Counted).then_some((looking, witness.exact, answer))
+        let witness = |(k, looking)| self.witnessed(looking, &answers.get(k));
+        let witnesses: Vec<Witness> = seen.par_iter().enumerate().map(witness).collect();
+        let add = |mut outside: OutsideCounts, k: usize| {
+            let (looking, w) = (&seen[k], &witnesses[k]);
+            let exact = (!w.exact.x.is_nan()).then_some(w.exact);
+            let judged = (&answers.get(k), w.standing);
+            outside.add(self, &looking.receiver, looking.main().map, exact, judged);
+            outside
+        };
+        let all = (0..seen.len()).into_par_iter().with_min_len(1 << 14);
+        let outside = all.fold(OutsideCounts::default, add);
+        let outside = outside.reduce(OutsideCounts::default, OutsideCounts::joined);
+        let all = (seen, witnesses).into_par_iter().enumerate();
+        let counted = all.filter_map(|(k, (looking, w))| {
+            (w.standing == Standing::Counted).then(|| (looking, w.exact, answers.get(k)))
         });
-        counted.collect()
+        (counted.collect(), outside)
     }
 
     /// The receivers under every `step`-th pixel, and where they look.

@@ -138,13 +138,18 @@ impl<'o, 'a> Walk<'o, 'a> {
     }
 
     /// Length of the falsely lit strip through the walk's origin, along the light's direction on the
-    /// receiver; `None` if the origin is not falsely lit.
+    /// receiver, as far as a viewer sees it: it ends where something stands on the receiver's plane. `None`
+    /// if the origin is not falsely lit.
     #[must_use]
     pub fn false_light_length(&self) -> Option<f64> {
         let falsely_lit = |s: State| s.subject_lit && !s.truly_lit;
-        self.state(0.0)
-            .is_some_and(falsely_lit)
-            .then(|| self.end_of(1.0, falsely_lit) - self.end_of(-1.0, falsely_lit))
+        let receiver = Receiver { position: self.origin, triangle: self.triangle };
+        let seen = |sign: f64| {
+            let length = sign * self.end_of(sign, falsely_lit);
+            let along = self.direction * sign;
+            self.observer.clearance(&receiver, along, self.texel_world(), length)
+        };
+        self.state(0.0).is_some_and(falsely_lit).then(|| seen(1.0) + seen(-1.0))
     }
 
     /// Mean distance between the starts of successive false-shadow stripes around the origin;

@@ -31,9 +31,10 @@ pub(super) fn section(
 ) -> Section {
     let m = &measured.measurement;
     let observer = &measured.observer;
-    let mut section = Section::new(id, format!("{} ({})", m.name, m.document), m.verdict.clone())
-        .called(m.name.clone())
-        .folded();
+    let mut section =
+        Section::new(id, format!("{} ({})", m.name, m.document), m.after_first_lines())
+            .called(m.name.clone())
+            .folded();
     let shaded = shade::shaded(id, observer, &measured.observations, step);
     let exr = layers::layers(id, observer, &measured.observations, step, &shaded.rgb);
     section.push(Block::Row(vec![

@@ -3,6 +3,7 @@
 use crate::analysis::formats;
 use crate::analysis::ladder::Rung;
 use crate::analysis::measurement::{Measurement, half_measured};
+use crate::analysis::outside::named;
 use crate::report::number::percent;
 use crate::report::{
     Axis, Block, Cell, Colour, Finding, HeatMap, Plot, Scale, Section, Series, Style, Table, Tile,
@@ -88,8 +89,8 @@ fn main_cause(counts: [u64; 5]) -> Option<(Rung, u64)> {
 /// The verdict: which bias, what remains, which knob.
 pub(super) fn lead(measurements: &[Measurement], findings: &[Finding]) -> Vec<String> {
     let documents: Vec<_> = measurements.iter().filter(|m| m.facts.is_empty()).collect();
-    let mut lead: Vec<String> =
-        unmeasured(measurements).iter().map(|why| format!("{why}.")).collect();
+    let mut lead = first_lines(measurements);
+    lead.extend(unmeasured(measurements).iter().map(|why| format!("{why}.")));
     let half = |m: &&Measurement| {
         let missing = half_measured([m.lit, m.shadowed])?;
         Some(format!("{}: {missing}.", m.name))
@@ -119,6 +120,12 @@ pub(super) fn lead(measurements: &[Measurement], findings: &[Finding]) -> Vec<St
         ));
     }
     lead
+}
+
+/// What comes before all else; of several cases each with its name.
+fn first_lines(measurements: &[Measurement]) -> Vec<String> {
+    let of = |m: &Measurement| named(measurements.len(), &m.name, &m.first_lines);
+    measurements.iter().flat_map(of).collect()
 }
 
 /// What nothing was measured of, and why.

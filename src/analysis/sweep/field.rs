@@ -6,6 +6,7 @@ pub use super::receivers::Sample;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
 use crate::analysis::observe::{Looking, Observer, Standing};
+use crate::analysis::outside::OutsideCounts;
 use crate::light::{Layout, Lens, Lookup};
 use crate::raster::passes::Subject;
 use crate::scene::{Case, TexelFormat};
@@ -30,6 +31,8 @@ pub struct Field<'a> {
     pub populations: [u64; 2],
     /// Where receivers look under each move that was asked for, for all maps and formats.
     pub(super) moves: Moves,
+    /// What lies outside the light's volume.
+    outside: OutsideCounts,
 }
 
 impl<'a> Field<'a> {
@@ -61,8 +64,16 @@ impl<'a> Field<'a> {
     #[must_use]
     pub fn over(observer: Arc<Observer<'a>>, step: u32) -> Self {
         let sample = |(looking, exact, answer)| judged(&observer, looking, exact, answer);
-        let samples = observer.counted(step).into_par_iter().map(sample).collect();
-        Self::of(observer, samples)
+        let (counted, outside) = observer.counted(step);
+        let samples = counted.into_par_iter().map(sample).collect();
+        Self { outside, ..Self::of(observer, samples) }
+    }
+
+    /// The first lines of every answer about the case: what was left out of its scene, what lies outside
+    /// the light's volume, which casters are cut off; each a sentence.
+    #[must_use]
+    pub fn first_lines(&self) -> Vec<String> {
+        self.outside.first_lines(&self.observer, !self.samples.is_empty())
     }
 
     /// Given receivers instead of a camera's: coordinates are the exact ones, rounded once.
@@ -83,7 +94,8 @@ impl<'a> Field<'a> {
         let lit = samples.iter().filter(|s| s.lit).count() as u64;
         let populations = [lit, samples.len() as u64 - lit];
         let receivers = Receivers::of(&samples);
-        Self { populations, observer, samples, receivers, moves: Moves::default() }
+        let (moves, outside) = (Moves::default(), OutsideCounts::default());
+        Self { populations, observer, samples, receivers, moves, outside }
     }
 
     /// These receivers, each looking from where a recipe moves it under maps that lie as `layout` says;
@@ -284,8 +296,8 @@ fn judged(observer: &Observer<'_>, looking: Looking, exact: DVec3, answer: Answe
 const STEP: f64 = 2.0;
 const STEPS: u32 = 256;
 
-/// Way along the surface towards the light until the truth is lit; up to [`STEPS`] steps, refined to
-/// 2⁻¹² of a step.
+/// Way along the surface towards the light until the truth is lit or something stands on the surface; up to
+/// [`STEPS`] steps, refined to 2⁻¹² of a step.
 fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
     let light = &observer.case().light;
     let p = sample.receiver.position;
@@ -296,15 +308,18 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
         return 0.0;
     }
     let step = STEP * observer.lenses[sample.map].scales(p)[0];
+    let reach = f64::from(STEPS) * step;
+    let seen = observer.clearance(&sample.receiver, along / size, step / STEP, reach);
+    let last = (seen / step).ceil() as u32;
     let receiver =
         |s: f64| Receiver { position: p + along * (s / size), triangle: sample.receiver.triangle };
     let mut blocker = sample.receiver.triangle;
     let mut at = 0;
     while observer.is_shadowed(&receiver(f64::from(at + 1) * step), &mut blocker) {
         let blocks = |i: u32| observer.is_blocked_by(&receiver(f64::from(i) * step), blocker);
-        at = last_blocked(at + 1, blocks);
-        if at == STEPS {
-            return f64::from(STEPS) * step;
+        at = last_blocked(at + 1, last, blocks);
+        if at >= last {
+            return seen;
         }
     }
     let (mut dark, mut lit) = (f64::from(at) * step, f64::from(at + 1) * step);
@@ -313,20 +328,20 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
         let shadowed = observer.is_shadowed(&receiver(middle), &mut blocker);
         if shadowed { dark = middle } else { lit = middle }
     }
-    dark
+    dark.min(seen)
 }
 
-/// The last step up to [`STEPS`] that one triangle blocks, from a step that it blocks: its shadow on a
+/// The last step up to a given one that one triangle blocks, from a step that it blocks: its shadow on a
 /// plane is convex, so that it blocks every step between two that it blocks.
-fn last_blocked(from: u32, blocks: impl Fn(u32) -> bool) -> u32 {
+fn last_blocked(from: u32, last: u32, blocks: impl Fn(u32) -> bool) -> u32 {
     let (mut at, mut stride) = (from, 1);
-    while at + stride <= STEPS && blocks(at + stride) {
+    while at + stride <= last && blocks(at + stride) {
         at += stride;
         stride *= 2;
     }
     while stride > 1 {
         stride /= 2;
-        if at + stride <= STEPS && blocks(at + stride) {
+        if at + stride <= last && blocks(at + stride) {
             at += stride;
         }
     }

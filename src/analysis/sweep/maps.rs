@@ -85,8 +85,17 @@ impl Chart<'_, '_> {
         then(&stores, &|i, tap, t| {
             let slot = self.reads.slots(i)[tap];
             let place = places.of_slot(slot);
-            let gained = drawn.depth[place] - self.own.depth[slot as usize];
-            (self.caster(i, tap, drawn.triangle[place], t), f64::from(gained))
+            let caster = self.caster(i, tap, drawn.triangle[place], t);
+            let layered = recipe.layers != Layers::Nearest && !self.field.chooses();
+            let gained = match layered {
+                // A texel's centre may see a silhouette that the receiver does not.
+                true if caster == StoredCaster::Occluder => {
+                    self.field.layer_gain(&self.field.samples[i], recipe)
+                }
+                true => 0.0,
+                false => f64::from(drawn.depth[place] - self.own.depth[slot as usize]),
+            };
+            (caster, gained)
         })
     }
 

@@ -15,6 +15,7 @@ pub mod evaluate;
 pub mod field;
 pub mod gate;
 pub mod guest;
+mod layer;
 pub mod looks;
 mod maps;
 mod margins;
@@ -73,6 +74,8 @@ pub struct CaseSweep {
     pub theory: Vec<(f32, f64)>,
     /// The closed form of the critical bias, where the case has one.
     pub known_critical: Option<f64>,
+    /// The first lines of every answer about the case: [`Field::first_lines`].
+    pub first_lines: Vec<String>,
     /// In the order of the plan: sizes, filters, formats, strategies.
     pub swept: Vec<Swept>,
 }
@@ -91,6 +94,7 @@ impl CaseSweep {
             texel_world: 0.0,
             theory: Vec::new(),
             known_critical: known.map(|f| f.value),
+            first_lines: Vec::new(),
             swept: Vec::new(),
         }
     }
@@ -100,6 +104,7 @@ impl CaseSweep {
     pub fn of(field: &Field<'_>, plan: &Plan) -> Self {
         let base = Self::named(field.case());
         let site = field.middle().map(|s| field.site(s, &field.case().layout()));
+        let base = Self { first_lines: field.first_lines(), ..base };
         let mut known = site.map_or(base.clone(), |site| Self {
             world_per_window: 1.0 / site.window_per_world,
             texel_world: site.texel_world,

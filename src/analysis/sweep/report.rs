@@ -8,6 +8,7 @@ use super::tally::Kind;
 use super::{CaseSweep, Field, Plan, Swept, verdicts};
 use crate::analysis::measure::unmeasured;
 use crate::analysis::measurement::half_measured;
+use crate::analysis::outside::named;
 use crate::report::slug::slugs;
 use crate::report::{Block, Cell, Profile, Report, Section, Table};
 use crate::scene::Case;
@@ -18,7 +19,9 @@ use std::slice;
 
 /// Sentences on top: who wins, where nothing works.
 fn lead(sweeps: &[CaseSweep], unmeasured: &[String]) -> Vec<String> {
-    let mut lead: Vec<String> = unmeasured.iter().map(|why| format!("{why}.")).collect();
+    let first = |case: &CaseSweep| named(sweeps.len(), &case.name, &case.first_lines);
+    let mut lead: Vec<String> = sweeps.iter().flat_map(first).collect();
+    lead.extend(unmeasured.iter().map(|why| format!("{why}.")));
     let half = |case: &CaseSweep| {
         let missing = half_measured(case.swept.first()?.populations)?;
         Some(format!("{}: {missing}.", case.name))

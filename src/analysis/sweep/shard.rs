@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
 /// Changes whenever the meaning of a stored result does.
-const SCHEMA: &str = concat!("gnomon-sweep-items-2 ", env!("CARGO_PKG_VERSION"));
+const SCHEMA: &str = concat!("gnomon-sweep-items-3 ", env!("CARGO_PKG_VERSION"));
 
 /// Every item in words, in order: the cases of the plan, under each its map sizes.
 #[must_use]
@@ -52,6 +52,8 @@ pub struct Part {
     pub texel_world: f64,
     /// Bias and predicted share of acne, as in [`CaseSweep::theory`].
     pub theory: Vec<(f32, f64)>,
+    /// The first lines of every answer about the case.
+    pub first_lines: Vec<String>,
     /// In the order of the plan: filters, formats, strategies.
     pub swept: Vec<Swept>,
 }
@@ -84,13 +86,15 @@ impl<'p> Worker<'p> {
             self.field = Some((index, Field::with(case, plan.step, self.effort)));
         }
         let (_, field) = self.field.as_ref().expect("it has just been set");
-        let CaseSweep { world_per_window, texel_world, theory, .. } = CaseSweep::of(field, plan);
+        let CaseSweep { world_per_window, texel_world, theory, first_lines, .. } =
+            CaseSweep::of(field, plan);
         let one = |filter: &Option<_>| {
             let filter = filter.unwrap_or(case.lookup.filter);
             sweep_size(field, size_of(plan, item), filter, plan)
         };
         let swept: Vec<Vec<Swept>> = plan.filters.par_iter().map(one).collect();
-        Part { world_per_window, texel_world, theory, swept: swept.into_iter().flatten().collect() }
+        let swept = swept.into_iter().flatten().collect();
+        Part { world_per_window, texel_world, theory, first_lines, swept }
     }
 }
 
@@ -103,6 +107,7 @@ pub fn assemble(plan: &Plan, parts: BTreeMap<u32, Part>) -> Vec<CaseSweep> {
         sweep.world_per_window = part.world_per_window;
         sweep.texel_world = part.texel_world;
         sweep.theory = part.theory;
+        sweep.first_lines = part.first_lines;
         sweep.swept.extend(part.swept);
     }
     sweeps

@@ -12,6 +12,7 @@ impl Item for Part {
             world_per_window: self.world_per_window.to_bits(),
             texel_world: self.texel_world.to_bits(),
             theory: self.theory.iter().map(|(b, share)| (b.to_bits(), share.to_bits())).collect(),
+            first_lines: self.first_lines.clone(),
             swept: self.swept.iter().map(StoredSwept::of).collect(),
         };
         serde_json::to_vec(&stored).expect("integers and names are JSON")
@@ -24,6 +25,7 @@ impl Item for Part {
             world_per_window: f64::from_bits(stored.world_per_window),
             texel_world: f64::from_bits(stored.texel_world),
             theory: theory.map(|&(b, s)| (f32::from_bits(b), f64::from_bits(s))).collect(),
+            first_lines: stored.first_lines,
             swept: stored.swept.iter().map(StoredSwept::read).collect::<Option<_>>()?,
         })
     }
@@ -35,6 +37,7 @@ struct Stored {
     world_per_window: u64,
     texel_world: u64,
     theory: Vec<(u32, u64)>,
+    first_lines: Vec<String>,
     swept: Vec<StoredSwept>,
 }
 
@@ -121,6 +124,7 @@ mod tests {
             world_per_window: f64::MIN_POSITIVE,
             texel_world: -0.0,
             theory: vec![(f32::NAN, 0.1 + 0.2)],
+            first_lines: vec!["Left out: a \"skin\".".to_string()],
             swept: vec![swept],
         };
         let read = Part::from_bytes(&part.to_bytes()).unwrap();

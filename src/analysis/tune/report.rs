@@ -121,10 +121,11 @@ pub fn report(request: &Request) -> Report {
     let filter = format.usable(case.lookup.filter);
     let tuning = tune(&field, engine, request.max_acne);
     let none = (field.populations == [0, 0]).then(|| unmeasured(case, step));
-    let mut lead = vec![match &none {
+    let mut lead = field.first_lines();
+    lead.push(match &none {
         Some(why) => format!("{why}. No bias is recommended."),
         None => tuning.sentence(),
-    }];
+    });
     lead.extend(tuning.withdrawn());
     lead.extend(tuning.cheapest_sentence());
     lead.extend(tuning.budget.as_ref().map(|budget| budget.sentence(&case.name)));
