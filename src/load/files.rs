@@ -8,8 +8,40 @@ use std::path::{Component, Path, PathBuf};
 /// bytes it may have at most.
 pub type Beside<'b> = dyn Fn(&Path, u64) -> Result<Vec<u8>> + 'b;
 
-/// What a scene may cost. Checked before anything is allocated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+gnomon_core::catalogue! {
+    /// How a surface with blended alpha throws its shadow, which file formats leave to the engine.
+    pub enum Blend {
+        /// As if it were opaque (three.js' shadow pass).
+        Opaque = "opaque",
+        /// Cut out where its alpha is below 0.5.
+        Cutout = "cutout",
+        /// Not at all.
+        None = "none",
+    }
+}
+
+/// What of a scene file is read where it has more than one answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// Name or number of the scene; the file's own choice without it.
+    pub scene: Option<String>,
+    /// Seconds into the animation at which everything is posed; at rest without it.
+    pub time: Option<f64>,
+    /// Name or number of the animation; the first without it.
+    pub animation: Option<String>,
+    /// How surfaces with blended alpha throw shadows.
+    pub blend: Blend,
+}
+
+/// The file's own scene at rest, blended surfaces as opaque ones.
+impl Default for Wanted {
+    fn default() -> Self {
+        Self { scene: None, time: None, animation: None, blend: Blend::Opaque }
+    }
+}
+
+/// What a scene may cost, and which of its answers are wanted. Checked before anything is allocated.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
     /// Bytes of all files together.
     pub bytes: u64,
@@ -23,6 +55,8 @@ pub struct Limits {
     pub depth: usize,
     /// Leave damaged triangles and nodes out, and note how many, where they would be refused.
     pub lenient: bool,
+    /// Scene, time and choices of the reader.
+    pub wanted: Wanted,
 }
 
 impl Default for Limits {
@@ -34,6 +68,7 @@ impl Default for Limits {
             indices: 200_000_000,
             depth: 1024,
             lenient: false,
+            wanted: Wanted::default(),
         }
     }
 }
@@ -59,7 +94,7 @@ impl<'b> Budget<'b> {
         limits: &Limits,
         beside: &'b Beside<'b>,
     ) -> Result<Self> {
-        let mut budget = Self { limits: *limits, beside, bytes: 0, vertices: 0, indices: 0 };
+        let mut budget = Self { limits: limits.clone(), beside, bytes: 0, vertices: 0, indices: 0 };
         budget.bytes(place, bytes)?;
         Ok(budget)
     }
@@ -67,6 +102,15 @@ impl<'b> Budget<'b> {
     /// Refuses what needs more memory than is left to the scene.
     pub(super) fn memory(&self, place: &str, need: u64) -> Result<()> {
         Size(self.limits.memory).afford(place, Size(need), "split or simplify the scene")
+    }
+
+    /// Bytes of memory that one thing may take at most.
+    pub(super) fn most_memory(&self) -> u64 {
+        self.limits.memory
+    }
+
+    pub(super) fn wanted(&self) -> &Wanted {
+        &self.limits.wanted
     }
 
     pub(super) fn depth(&self) -> usize {
@@ -101,8 +145,22 @@ impl<'b> Budget<'b> {
         Self::spend(place, "bytes", &mut self.bytes, more, self.limits.bytes)
     }
 
+    /// What a URI stands for: its own data, or a file beside the scene.
+    pub(super) fn resource(&mut self, place: &str, uri: &str) -> Result<Vec<u8>> {
+        match uri.strip_prefix("data:") {
+            Some(data) => {
+                let base64 = data.split_once(";base64,").map(|(_, text)| text);
+                let reason = "is a data URI without base64";
+                let base64 =
+                    base64.ok_or_else(|| Error::bad_input(place, reason, "export it again"))?;
+                self.data_uri(place, base64)
+            }
+            None => self.read_beside(place, uri),
+        }
+    }
+
     /// Bytes of a `data:` URI, after decoding.
-    pub(super) fn data_uri(&mut self, place: &str, base64: &str) -> Result<Vec<u8>> {
+    fn data_uri(&mut self, place: &str, base64: &str) -> Result<Vec<u8>> {
         use base64::Engine as _;
         self.bytes(place, base64.len() as u64)?;
         base64::engine::general_purpose::STANDARD.decode(base64).map_err(|e| {
@@ -112,7 +170,7 @@ impl<'b> Budget<'b> {
 
     /// A file that a scene names by a relative URI: percent-decoded, then refused unless it leads
     /// downwards from the scene's folder.
-    pub(super) fn read_beside(&mut self, place: &str, uri: &str) -> Result<Vec<u8>> {
+    fn read_beside(&mut self, place: &str, uri: &str) -> Result<Vec<u8>> {
         let outside = || {
             Error::bad_input(
                 place,

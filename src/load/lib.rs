@@ -1,26 +1,28 @@
 //! Scene files: glTF 2.0 (`.gltf`, `.glb`), Wavefront OBJ and PLY, read under limits and refused in one
 //! sentence.
 //!
-//! Only geometry, node transforms, the first camera and the first directional or spot light are read;
-//! images and materials never are. Files named by a scene stay inside its folder.
+//! What changes a shadow is read: geometry with its normals in the pose that the file or a time gives,
+//! sides and alpha masks of materials, every light and camera; nothing else of materials. Files named
+//! by a scene stay inside its folder.
 
 // A reader may not panic on what a file says.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
-mod accessor;
 pub mod config;
 mod files;
 pub mod fit;
-mod gltf_file;
+mod gltf;
 mod obj_file;
+mod picture;
 mod ply_file;
 mod polygons;
 pub mod range;
 mod repair;
 mod strips;
+mod told;
 
 use files::Budget;
-pub use files::{Beside, Limits};
+pub use files::{Beside, Blend, Limits, Wanted};
 use glam::{DMat4, DVec3};
 use gnomon_core::scene::{Mesh, Surface};
 use gnomon_core::{Error, Result};
@@ -136,7 +138,7 @@ pub fn read(
     let budget = Budget::new(&place, bytes.len() as u64, limits, beside)?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let scene = match extension.as_str() {
-        "gltf" | "glb" => gltf_file::read(&place, bytes, budget)?,
+        "gltf" | "glb" => self::gltf::read(&place, bytes, budget)?,
         "obj" => obj_file::read(&place, bytes, budget)?,
         "ply" => ply_file::read(&place, bytes, budget)?,
         _ => {
@@ -155,15 +157,18 @@ pub fn read(
             "give a scene with triangle meshes",
         ));
     }
-    if scene.parts.len() > usize::from(u16::MAX) {
-        return Err(Error::bad_input(
-            path.display().to_string(),
-            format!("holds {} parts, at most {} can be told apart", scene.parts.len(), u16::MAX),
-            "merge meshes",
-        ));
-    }
+    check_parts(&place, scene.parts.len())?;
     in_range(&path.display().to_string(), &scene)?;
     Ok(scene)
+}
+
+/// Refuses more parts than a triangle can say that it belongs to.
+fn check_parts(place: &str, count: usize) -> Result<()> {
+    if count <= usize::from(u16::MAX) {
+        return Ok(());
+    }
+    let reason = format!("holds {count} parts, at most {} can be told apart", u16::MAX);
+    Err(Error::bad_input(place, reason, "merge meshes (`gltf-transform join`), or draw fewer"))
 }
 
 /// Refuses a scene whose world coordinates leave the range of the pipeline.

@@ -49,9 +49,16 @@ fn check(place: &str, positions: &[Vec3], indices: &[u32]) -> Result<()> {
     if let Some((i, p)) = positions.iter().enumerate().find(|(_, p)| !is_sound(**p)) {
         return bad(format!("vertex {i} is {p}, not a number within 1e30"));
     }
-    let count = positions.len();
-    if let Some((at, index)) = indices.iter().enumerate().find(|(_, i)| **i as usize >= count) {
-        return bad(format!("index {at} is {index}, but there are {count} vertices"));
+    check_indices(place, indices, positions.len())
+}
+
+/// Refuses an index that names no vertex of `count`.
+pub(super) fn check_indices(place: &str, indices: &[u32], count: usize) -> Result<()> {
+    match indices.iter().enumerate().find(|(_, i)| **i as usize >= count) {
+        Some((at, index)) => {
+            let reason = format!("index {at} is {index}, but there are {count} vertices");
+            Err(Error::bad_input(place, reason, "repair the mesh, or take --lenient"))
+        }
+        None => Ok(()),
     }
-    Ok(())
 }
