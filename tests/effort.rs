@@ -9,7 +9,7 @@ use gnomon::analysis::measure::{Measured, measure_by};
 use gnomon::analysis::observe::Observer;
 use gnomon::report::Profile;
 use gnomon::scene::{Case, cases};
-use gnomon::truth::{Faces, izb};
+use gnomon::truth::{Faces, SeenFaces, izb};
 
 /// Everything that a measurement says, every receiver's chain to the bit.
 fn all_of(m: &Measured<'_>) -> (String, String) {
@@ -131,7 +131,8 @@ fn phases(case: &Case) {
     let receivers: Vec<_> = list.iter().map(|o| o.receiver).collect();
     timed("truth alone", || izb::truths(&observer.geometry, &receivers, observer.light()));
     for (map, lens) in observer.lenses.iter().enumerate() {
-        let foremost = timed("planes", || Foremost::new(&observer, lens, Faces::Both));
+        let foremost =
+            timed("planes", || Foremost::new(&observer, lens, &SeenFaces::Alike(Faces::Both)));
         let within = list.iter().filter(|o| o.map == map);
         let points: Vec<_> = within.map(|o| o.exact.truncate()).collect();
         timed("one look at every point", || foremost.at(&points));

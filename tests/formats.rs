@@ -144,14 +144,9 @@ fn own_surface(chart: &Chart<'_, '_>, format: TexelFormat) -> usize {
         let setup = raster.map_setup(sample.receiver.triangle, sample.map, &chart.layout);
         let [x, y] = [u, v].map(|c| (c * size) as u32);
         let mut inside = false;
-        setup.cover(
-            &raster.device,
-            [chart.size; 2],
-            chart.field.case().map.cull,
-            |row, from, to| {
-                inside |= row == y && (from..to).contains(&x);
-            },
-        );
+        setup.cover(&raster.device, [chart.size; 2], gnomon::scene::Cull::None, |row, from, to| {
+            inside |= row == y && (from..to).contains(&x);
+        });
         inside && sample.lit
     };
     let all = 0..chart.field.samples.len();

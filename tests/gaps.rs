@@ -90,7 +90,7 @@ fn below_a_floating_box_the_strip_goes_on() {
 /// of a 32nd of a texel.
 fn brute_force(case: &Case, covered: impl Fn(DVec3) -> bool + Sync) -> Vec<f64> {
     let mut culled = case.clone();
-    (culled.map.cull, culled.bias) = (gnomon::scene::Cull::Front, 0.0);
+    (culled.map.cull, culled.bias) = (gnomon::scene::CullRule::Front, 0.0);
     let measured = measure(&culled, 1);
     let wrong = measured.observations.iter().filter(|o| {
         o.truly_lit() == Some(false) && o.visibility() > 0.0 && o.receiver.position.y.abs() < 1e-6

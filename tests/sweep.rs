@@ -206,8 +206,7 @@ fn errors_are_nested() {
 
 /// Every strategy ends the acne of a plane under every filter, but where its own definition says not:
 /// receiver-slope and tutorial-tangent stop at their clamp of 0.01, tutorial-cosine begins at its floor,
-/// Godot's offset only moves the look-up, receiver-plane at
-/// the tap leaves a filter's texels to its constant, which is bounded with it.
+/// Godot's offset only moves the look-up, receiver-plane at the tap leaves a filter's texels to its constant.
 #[test]
 fn every_strategy_ends_acne_on_a_plane_or_its_reach_says_why() {
     let case = cases::named("t1-tilted-plane").unwrap();

@@ -21,7 +21,7 @@ use gnomon::depth::{DepthFormat, Packing};
 use gnomon::device::DeviceProfile;
 use gnomon::light::Layout;
 use gnomon::raster::{Pass, PolygonOffset, Raster, draw_at, draw_each, draw_into, quickest};
-use gnomon::scene::{Cull, DepthBuffer, Geometry, MapSpec, TexelFormat};
+use gnomon::scene::{Cull, CullRule, DepthBuffer, Geometry, MapSpec, TexelFormat};
 use gnomon::shadow::ShadowMap;
 use gnomon::simd::Level;
 use timing::{Ways, busiest_ms, cpu_ms, threads};
@@ -124,7 +124,7 @@ fn six_formats(size: u32, clip: &[Vec4], triangles: &[[u32; 3]]) {
     let pass = pass(size, DepthFormat::F32);
     let mut drawn = draw_at(quickest(), &device, &pass, clip, triangles);
     let clear = [1.0; 4];
-    let (depth_buffer, cull) = (DepthBuffer::Texture, Cull::None);
+    let (depth_buffer, cull) = (DepthBuffer::Texture, CullRule::None);
     let specs = SIX.map(|texel| MapSpec { size, texel, clear, depth_buffer, cull });
     let mut maps = SIX.map(ShadowMap::empty);
     let layout = Layout::whole([size; 2]);

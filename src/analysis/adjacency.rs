@@ -152,6 +152,7 @@ mod tests {
             positions: vec![p(0., 0.), p(100., 0.), p(100., 100.), p(0., 100.)],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             object: vec![0, 0],
+            ..Geometry::default()
         };
         let adjacency = Adjacency::new(&geometry);
         let project = |t: u32| Some(geometry.corners(t).map(|c| c.truncate()));

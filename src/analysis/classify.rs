@@ -167,7 +167,9 @@ impl Kind {
         match (stored, sound) {
             (StoredCaster::Cleared, _) | (_, false) => Self::ENCODING_FAULT,
             (StoredCaster::Own, true) => Self::ACNE,
-            (StoredCaster::Occluder | StoredCaster::Other, true) => Self::EDGE_SHADOW,
+            (StoredCaster::Occluder | StoredCaster::Other | StoredCaster::Culled, true) => {
+                Self::EDGE_SHADOW
+            }
         }
     }
 
@@ -177,7 +179,7 @@ impl Kind {
         match stored {
             StoredCaster::Occluder if hidden => Self::PETER_PANNING,
             StoredCaster::Own | StoredCaster::Cleared => Self::EDGE_LIGHT,
-            StoredCaster::Occluder | StoredCaster::Other => Self::LIGHT_LEAK,
+            StoredCaster::Occluder | StoredCaster::Other | StoredCaster::Culled => Self::LIGHT_LEAK,
         }
     }
 }
@@ -234,6 +236,8 @@ pub enum StoredCaster {
     Occluder,
     /// Another surface.
     Other,
+    /// Whatever is there: every face that occludes the receiver is left out of the map.
+    Culled,
 }
 
 #[cfg(test)]
@@ -242,7 +246,7 @@ mod tests {
 
     #[test]
     fn the_table_row_by_row() {
-        use StoredCaster::{Cleared, Occluder, Other, Own};
+        use StoredCaster::{Cleared, Culled, Occluder, Other, Own};
         assert_eq!(Kind::false_shadow(Own, true), Kind::ACNE);
         assert_eq!(Kind::false_shadow(Other, true), Kind::EDGE_SHADOW);
         assert_eq!(Kind::false_shadow(Occluder, true), Kind::EDGE_SHADOW);
@@ -253,6 +257,7 @@ mod tests {
         assert_eq!(Kind::false_light(Cleared, false), Kind::EDGE_LIGHT);
         assert_eq!(Kind::false_light(Other, true), Kind::LIGHT_LEAK);
         assert_eq!(Kind::false_light(Occluder, false), Kind::LIGHT_LEAK);
+        assert_eq!(Kind::false_light(Culled, true), Kind::LIGHT_LEAK);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub(super) struct Counts<'o> {
     pub(super) striped: Vec<&'o Observation>,
     /// Wrong verdicts of the truly lit and of the truly shadowed.
     wrongs: [Wrong; 2],
-    on_rung: [u64; 5],
+    on_rung: [u64; Rung::ALL.len()],
     /// By object.
     all: Vec<ObjectTally>,
     interior: Vec<ObjectTally>,
@@ -75,7 +75,7 @@ impl<'o> Counts<'o> {
             panning: Vec::new(),
             striped: Vec::new(),
             wrongs: Default::default(),
-            on_rung: [0; 5],
+            on_rung: [0; Rung::ALL.len()],
             all: vec![ObjectTally::default(); objects],
             interior: vec![ObjectTally::default(); objects],
             shadow_interior: 0,
@@ -124,8 +124,8 @@ impl<'o> Counts<'o> {
         if o.outcome.fault().is_some_and(|f| f.kind == Kind::PETER_PANNING) {
             self.panning.push(o);
         }
-        if o.stored[0].is_finite() {
-            let gap = o.exact.z - o.stored[0];
+        if o.stored[Rung::Bias as usize].is_finite() {
+            let gap = o.exact.z - o.stored[Rung::Bias as usize];
             self.exact_gap = Gap::around(self.exact_gap, Some(Gap { min: gap, max: gap }));
         }
         if let Truth::Shadowed(occlusion) = &o.answer.truth {
@@ -230,6 +230,7 @@ impl Samples {
             Standing::Ambiguous => self.ambiguous += 1,
             Standing::FacingAway => self.facing_away += 1,
             Standing::OutsideCone => self.outside_cone += 1,
+            Standing::ReceivesNone => self.receives_none += 1,
             Standing::OutsideMap => {
                 self.outside_map += 1;
                 self.outside_map_shadowed += u64::from(o.visibility() < 1.0);
@@ -244,6 +245,7 @@ impl Samples {
         self.outside_cone += other.outside_cone;
         self.outside_map += other.outside_map;
         self.outside_map_shadowed += other.outside_map_shadowed;
+        self.receives_none += other.receives_none;
         self.touching += other.touching;
     }
 }

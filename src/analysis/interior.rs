@@ -5,7 +5,7 @@ use super::effort::Count;
 use super::foremost::{Foremost, Seen};
 use super::observe::{Observation, Observer, Standing};
 use crate::light::Lens;
-use crate::truth::{Faces, FirstHit};
+use crate::truth::{Faces, FirstHit, SeenFaces};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -80,7 +80,7 @@ fn around(observer: &Observer<'_>, lens: &Lens, points: &[DVec2]) -> Vec<Around>
             .map(|some| asked(observer, lens, points, some, open))
             .collect();
     }
-    let foremost = Foremost::new(observer, lens, Faces::Both);
+    let foremost = Foremost::new(observer, lens, &SeenFaces::Alike(Faces::Both));
     foremost.by_block(points, 1.01 * REACH, |block, states| {
         let mut looked = None;
         asked(observer, lens, points, block.index(), |offset, place| {

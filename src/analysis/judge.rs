@@ -27,6 +27,7 @@ impl Observer<'_> {
         let exact_lit =
             |stored: f64| stored == f64::INFINITY || rule.is_lit_exact(z, stored, f64::from(bias));
         let bias_depth = self.occluder_depth(o.map, &o.receiver, &o.answer);
+        let culled = !truly_lit && self.is_culled(bias_depth);
         let (lookup, z32) = (Lookup { map: o.map, coord: o.coord, weight: 1.0 }, o.coord[2]);
         let drawn_texel = self.unquantized.nearest(device, case.lookup.wrap, &lookup) as usize;
         let drawn = self.unquantized.depth(device, drawn_texel);
@@ -34,9 +35,10 @@ impl Observer<'_> {
         let stored = self.subject.map.depth(device, stored_texel);
         let filtered = o.taps.depths()[o.taps.centre()];
         o.stored =
-            [bias_depth, centre_depth, f64::from(drawn), f64::from(stored), f64::from(filtered)];
+            [bias_depth, bias_depth, centre_depth, drawn.into(), stored.into(), filtered.into()];
         let taps = o.taps.depths().len();
         o.wrong = [
+            culled,
             exact_lit(bias_depth) != truly_lit,
             exact_lit(centre_depth) != truly_lit,
             rule.is_lit(z32, drawn, bias) != truly_lit,
@@ -45,19 +47,25 @@ impl Observer<'_> {
         ];
     }
 
+    /// Whether culling leaves out all faces that occlude a truly shadowed receiver whose first drawn
+    /// occluder has this depth or gap, +∞ where it has none.
+    pub(super) fn is_culled(&self, first_drawn: f64) -> bool {
+        !self.draws_all && first_drawn == f64::INFINITY
+    }
+
     /// Depth in a map of the first drawn occluder on the receiver's own ray; +∞ if there is none.
     #[must_use]
     pub fn occluder_depth(&self, map: usize, receiver: &Receiver, answer: &Answer) -> f64 {
         let end = self.light_end(receiver.position);
-        let point = match (self.drawn_faces, &answer.truth) {
-            (Faces::Both, Truth::Shadowed(occlusion)) => {
+        let point = match (self.draws_all, &answer.truth) {
+            (true, Truth::Shadowed(occlusion)) => {
                 let ray = end - receiver.position;
                 receiver.position + ray * (occlusion.first_gap / crate::view::length(ray))
             }
-            (Faces::Both, _) => return f64::INFINITY,
-            (faces, _) => {
+            (true, _) => return f64::INFINITY,
+            (false, _) => {
                 let own = Some(receiver.triangle);
-                match self.tracer.first_hit(end, receiver.position, faces, own) {
+                match self.tracer.first_of(end, receiver.position, &self.drawn, own) {
                     FirstHit::Hit { t, t_error, .. } if t + t_error < 1.0 => {
                         end + (receiver.position - end) * t
                     }
@@ -95,7 +103,7 @@ impl Observer<'_> {
     #[must_use]
     pub fn first_drawn(&self, lens: &Lens, uv: DVec2) -> Option<(u32, DVec3)> {
         let [near, far] = lens.ray(uv);
-        match self.tracer.first_hit(near, far, self.drawn_faces, None) {
+        match self.tracer.first_of(near, far, &self.drawn, None) {
             FirstHit::Hit { triangle, t, .. } => Some((triangle, near + (far - near) * t)),
             FirstHit::None | FirstHit::Ambiguous => None,
         }
@@ -110,6 +118,9 @@ impl Observer<'_> {
 
     /// The owner of the surface that a texel read by a tap holds, as seen by a receiver.
     pub(super) fn stored_caster(&self, o: &Observation, tap: usize, texel: u32) -> StoredCaster {
+        if o.wrong[Rung::Culling as usize] {
+            return StoredCaster::Culled;
+        }
         let caster = self.subject.map_raster.triangle[texel as usize];
         let map = o.taps.map(tap);
         let rect = self.subject.map_raster.layout.rect(map);

@@ -1,18 +1,20 @@
 //! Measuring a case: observe its receivers, then count, rate and name.
 
+use super::both_faces::BothFaces;
 use super::captured::Captured;
 use super::classify::Kind;
 use super::counts::Counts;
 use super::curve::Curve;
 use super::effort::{Count, Effort};
 use super::interior;
+use super::ladder::Rung;
 use super::measurement::{Length, Measurement, Samples, Wrongs, half_measured};
 use super::observe::{Observation, Observer};
 use super::outside::OutsideCounts;
 use super::verdict::counted::Measure;
 use super::walk::Walk;
 use crate::raster::NO_TRIANGLE;
-use crate::scene::Case;
+use crate::scene::{Case, CullRule};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -40,7 +42,24 @@ pub fn measure(case: &Case, step: u32) -> Measured<'_> {
 /// As [`measure`], by a given effort; the result is the same.
 #[must_use]
 pub fn measure_by(case: &Case, step: u32, effort: Effort) -> Measured<'_> {
-    of_observer(Observer::with(case, &case.device.device(), effort), step)
+    let mut measured = of_observer(Observer::with(case, &case.device.device(), effort), step);
+    let m = &mut measured.measurement;
+    let culled = m.false_light.by_cause[&Rung::Culling];
+    if culled > 0 {
+        let both = both_faces(case, step, effort);
+        m.both_faces = Some(both);
+        m.verdict = format!("{} {}", m.verdict, both.sentence(culled));
+    }
+    measured
+}
+
+/// The case once more, with both faces of all casters drawn.
+fn both_faces(case: &Case, step: u32, effort: Effort) -> BothFaces {
+    let mut drawn = case.clone();
+    drawn.map.cull = CullRule::None;
+    let Measurement { false_shadow, false_light, seen, .. } =
+        measure_by(&drawn, step, effort).measurement;
+    BothFaces { false_shadow: false_shadow.rate, false_light: false_light.rate, seen }
 }
 
 /// As [`measure_by`], every look-up reading a captured map.
@@ -119,6 +138,7 @@ fn summarize(
         lost_shadows: counts.lost_shadows(case),
         left_out,
         lost_casters: outside.lost_casters(observer),
+        both_faces: None,
         peter_panning,
         stripe_period,
         misordered_texels: observer.misordered_texels(),

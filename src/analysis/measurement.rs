@@ -1,5 +1,6 @@
 //! The numbers of a measured case, as they stand in `results.json`.
 
+use super::both_faces::BothFaces;
 use super::classify::{Artifact, Kind, Side};
 use super::curve::{Errors, Thresholds};
 use super::ladder::Rung;
@@ -28,11 +29,19 @@ pub struct Samples {
     pub outside_map: u64,
     /// Receivers outside the map that the look-up says are shadowed nevertheless.
     pub outside_map_shadowed: u64,
+    /// On a surface that receives no shadow; left out of files where there are none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub receives_none: u64,
     /// Triangles that met a counted receiver itself.
     pub touching: u64,
     /// Receivers outside the map or the cone by reason; results have them beside the samples.
     #[serde(skip)]
     pub left_out: Vec<LeftOut>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_zero(n: &u64) -> bool {
+    *n == 0
 }
 
 impl Samples {
@@ -61,6 +70,12 @@ impl Samples {
                 "move the light out of the planes of the surfaces",
             ),
         ];
+        let standings = standings.into_iter().chain((self.receives_none > 0).then_some((
+            self.receives_none,
+            "lie on surfaces that receive no shadow",
+            "let a surface that the camera sees receive shadows",
+        )));
+        let standings: Vec<_> = standings.collect();
         let largest = standings.iter().rev().max_by_key(|reason| reason.0);
         let seen = standings.iter().any(|reason| reason.0 > 0);
         let fix = largest.filter(|_| seen).map_or("turn the camera towards the scene", |r| r.2);
@@ -301,6 +316,9 @@ pub struct Measurement {
     /// Objects that shadow receivers from before near or beyond far, where no map draws them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lost_casters: Vec<LostCaster>,
+    /// What drawing both faces would change; where culling causes no false light, `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub both_faces: Option<BothFaces>,
     /// Longest falsely lit strip by peter-panning.
     pub peter_panning: Option<Length>,
     /// Mean distance of acne stripes without bias.

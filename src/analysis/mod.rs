@@ -1,6 +1,7 @@
 //! Analysis: every receiver judged against the truth, with the cause and the kind of each artifact.
 
 pub mod adjacency;
+pub mod both_faces;
 pub mod budget;
 pub mod captured;
 pub mod classify;

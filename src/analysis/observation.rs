@@ -1,7 +1,7 @@
 //! What is known about one receiver: standing, truth, look-up, rungs and outcome.
 
 use super::classify::{Outcome, StoredCaster};
-use super::ladder::WrongRungs;
+use super::ladder::{Rung, WrongRungs};
 use crate::light::Lookup;
 use crate::shadow::{Few, Taps};
 use crate::truth::{Answer, Receiver, Truth};
@@ -20,6 +20,8 @@ crate::catalogue! {
         OutsideCone = "outside-cone",
         /// Outside the map's volume.
         OutsideMap = "outside-map",
+        /// No shadow falls on its surface.
+        ReceivesNone = "receives-none",
     }
 }
 
@@ -53,7 +55,7 @@ pub struct Observation {
     /// Smallest bias that lights each tap.
     pub breakpoints: Few<f32>,
     /// Stored depth on each rung; +∞ where nothing is in front.
-    pub stored: [f64; 5],
+    pub stored: [f64; Rung::ALL.len()],
     /// Whether each rung is wrong.
     pub wrong: WrongRungs,
     /// The verdict's fault, if it counts and is wrong.

@@ -3,6 +3,7 @@
 use super::adjacency::Adjacency;
 use super::classify::{Outcome, StoredCaster};
 use super::effort::Effort;
+use super::ladder::Rung;
 pub use super::observation::{Observation, Standing};
 use crate::depth::DepthFormat;
 use crate::device::Device;
@@ -10,9 +11,9 @@ use crate::light::{Lens, Lookup};
 use crate::raster::Interpolator;
 use crate::raster::NO_TRIANGLE;
 use crate::raster::passes::{Subject, draw_map, map_depth_buffer};
-use crate::scene::{Case, Cull, Geometry, LookupSpec};
+use crate::scene::{Case, Geometry, LookupSpec};
 use crate::shadow::{self, Few, ShadowMap, Taps};
-use crate::truth::{Answer, Faces, LightEnd, Receiver, Tracer, Truth};
+use crate::truth::{Answer, LightEnd, Receiver, SeenFaces, Tracer, Truth};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -40,7 +41,9 @@ pub struct Observer<'a> {
     /// Its triangles.
     float_triangles: Vec<u32>,
     /// Which sides of casters the light sees in the map.
-    pub(super) drawn_faces: Faces,
+    pub drawn: SeenFaces,
+    /// Whether the map draws both sides of all casters.
+    pub(super) draws_all: bool,
     /// Where shadow rays end.
     light: LightEnd,
     /// The unit vector towards a directional light.
@@ -140,6 +143,7 @@ impl<'a> Observer<'a> {
         let (unquantized, float_triangles) = float_map(&subject, effort);
         let projected = lenses.iter().map(|lens| projected(lens, &geometry)).collect();
         let sun = case.light.is_directional().then(|| case.light.eye().backward());
+        let drawn = SeenFaces::left_by(&geometry.surfaces.culls(case.map.cull));
         Self {
             projected,
             light: match sun {
@@ -149,11 +153,8 @@ impl<'a> Observer<'a> {
             sun,
             tracer,
             adjacency,
-            drawn_faces: match case.map.cull {
-                Cull::None => Faces::Both,
-                Cull::Back => Faces::Front,
-                Cull::Front => Faces::Back,
-            },
+            draws_all: drawn.is_everything(),
+            drawn,
             subject,
             geometry,
             lenses,
@@ -308,8 +309,8 @@ impl<'a> Observer<'a> {
             taps,
             lookups,
             lit_taps,
-            stored: [f64::INFINITY; 5],
-            wrong: [false; 5],
+            stored: [f64::INFINITY; Rung::ALL.len()],
+            wrong: [false; Rung::ALL.len()],
             outcome: Outcome::Agree,
             caster: StoredCaster::Own,
             own_surface: false,
@@ -369,7 +370,10 @@ impl<'a> Observer<'a> {
         answer: &Answer,
     ) -> Standing {
         let case = self.case();
-        if self.seen_normal(receiver).dot(self.to_light(receiver)) <= 0.0 {
+        let object = self.geometry.object[receiver.triangle as usize];
+        if !self.geometry.surfaces.receives(object) {
+            Standing::ReceivesNone
+        } else if self.seen_normal(receiver).dot(self.to_light(receiver)) <= 0.0 {
             Standing::FacingAway
         } else if inside.is_none() {
             Standing::OutsideMap

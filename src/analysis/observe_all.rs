@@ -152,7 +152,7 @@ impl Observer<'_> {
         if centres.is_empty() {
             return (Vec::new(), 0);
         }
-        let foremost = Foremost::new(self, lens, self.drawn_faces);
+        let foremost = Foremost::new(self, lens, &self.drawn);
         let depth = |seen: Seen, uv: DVec2| match seen {
             Seen::Nothing => f64::INFINITY,
             Seen::First(triangle) => self.depth_of(lens, triangle, uv),

@@ -163,7 +163,7 @@ fn map(root: &Field<'_>, rules: &Field<'_>) -> Result<MapSpec> {
         texel,
         clear,
         depth_buffer: rules.get("depthBuffer")?.word(&buffers)?,
-        cull: cull(&rules.get("cullMap")?)?,
+        cull: cull(&rules.get("cullMap")?)?.into(),
     })
 }
 

@@ -5,7 +5,7 @@ mod strict;
 
 use gnomon_core::depth::{DepthFormat, Packing};
 use gnomon_core::device::DeviceProfile;
-use gnomon_core::scene::{CompareRule, Cull, Filter, TexelFormat, Wrap};
+use gnomon_core::scene::{CompareRule, CullRule, Filter, TexelFormat, Wrap};
 use gnomon_core::{Error, Result};
 pub use origin::Origin;
 use serde::Deserialize;
@@ -175,12 +175,12 @@ impl Settings {
     ///
     /// # Errors
     /// [`Error::BadInput`] listing the names.
-    pub fn choices(&self) -> Result<(Filter, CompareRule, Wrap, Cull, DeviceProfile)> {
+    pub fn choices(&self) -> Result<(Filter, CompareRule, Wrap, CullRule, DeviceProfile)> {
         Ok((
             parsed("lookup.filter", &self.lookup.filter, Filter::Nearest)?,
             parsed("lookup.compare", &self.lookup.compare, CompareRule::ReceiverBeyond)?,
             parsed("lookup.wrap", &self.lookup.wrap, Wrap::Clamp)?,
-            parsed("map.cull", &self.map.cull, Cull::None)?,
+            parsed("map.cull", &self.map.cull, CullRule::None)?,
             parsed("device", &self.device, DeviceProfile::Ideal)?,
         ))
     }

@@ -9,7 +9,7 @@ use crate::light::{Layout, Lens, Lookup, Map};
 use crate::raster::Setup;
 use crate::report::Scale;
 use crate::scene::{
-    CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, MatrixChain,
+    CompareRule, CoordForm, Cull, CullRule, DepthBuffer, Filter, LookupSpec, MapSpec, MatrixChain,
     TexelFormat, Wrap,
 };
 use crate::shadow::sampler::nearest_texel;
@@ -33,7 +33,7 @@ fn uniform_map(depth: f32) -> ShadowMap {
         texel: TexelFormat::Depth(DepthFormat::F32),
         clear: [1.0; 4],
         depth_buffer: DepthBuffer::Texture,
-        cull: Cull::None,
+        cull: CullRule::None,
     };
     let texels = (SIZE * SIZE) as usize;
     let (depth, triangle) = (vec![depth; texels], vec![0; texels]);

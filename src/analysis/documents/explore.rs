@@ -175,8 +175,9 @@ fn exact_breakpoint(rule: CompareRule, z: f64, stored: f64) -> f32 {
 }
 
 fn detail(rule: CompareRule, grid: &[Option<&Observation>]) -> Detail {
-    let colours = [Colour::Blue, Colour::Orange, Colour::Green, Colour::Purple, Colour::Yellow];
-    let rungs = Rung::ALL.iter().zip(colours).take(4).map(|(rung, colour)| explorer::Rung {
+    let colours =
+        [Colour::Sky, Colour::Blue, Colour::Orange, Colour::Green, Colour::Purple, Colour::Yellow];
+    let rungs = Rung::ALL.iter().zip(colours).take(5).map(|(rung, colour)| explorer::Rung {
         name: rung.name().to_string(),
         colour,
         breakpoints: grid.iter().map(|o| rung_breakpoint(rule, *rung, *o)).collect(),
@@ -184,7 +185,7 @@ fn detail(rule: CompareRule, grid: &[Option<&Observation>]) -> Detail {
     Detail {
         every: 1,
         rungs: rungs.collect(),
-        last_rung: (Rung::Filter.name().to_string(), colours[4]),
+        last_rung: (Rung::Filter.name().to_string(), colours[5]),
         fields: fields(grid),
     }
 }
@@ -193,6 +194,9 @@ fn rung_breakpoint(rule: CompareRule, rung: Rung, o: Option<&Observation>) -> f3
     let Some(o) = o.filter(|o| o.standing == Standing::Counted) else { return f32::INFINITY };
     let stored = o.stored[rung as usize];
     match rung {
+        // No bias changes what is drawn.
+        Rung::Culling if o.wrong[rung as usize] == (o.truly_lit() == Some(true)) => f32::INFINITY,
+        Rung::Culling => f32::NEG_INFINITY,
         Rung::Bias | Rung::Sampling => exact_breakpoint(rule, o.exact.z, stored),
         Rung::Arithmetic | Rung::Quantization | Rung::Filter => {
             shadow::breakpoint(rule, o.coord[2], stored as f32)

@@ -20,7 +20,7 @@ use super::measurement::{Measurement, share};
 use crate::device::DeviceProfile;
 use crate::report::slug::slugs;
 use crate::report::{Finding, Profile, Report, Section};
-use crate::scene::{Case, Cull, Filter, cases};
+use crate::scene::{Case, CullRule, Filter, cases};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -108,7 +108,7 @@ const CHANGES: [Change; 2] = [
         suffix: "nearest",
         edit: |case| case.lookup.filter = Filter::Nearest,
     },
-    Change { of: "exam-pcf", suffix: "cull-none", edit: |case| case.map.cull = Cull::None },
+    Change { of: "exam-pcf", suffix: "cull-none", edit: |case| case.map.cull = CullRule::None },
 ];
 
 /// The variants of a case that findings compare it with.
@@ -297,8 +297,8 @@ fn method() -> Section {
          exact signs; the receiver's own triangle and triangles that touch it do not occlude.",
         "Rates are over receivers that face the light, lie in its cone and map, and whose truth is \
          certain; all others are counted apart.",
-        "Cause: each receiver is judged on five rungs, each with the case's bias: bias (exact depth of \
-         the nearest occluder), sampling (exact depth at the texel's centre), arithmetic (f32 transform \
+        "Cause: each receiver is judged on six rungs: culling (whether any drawn face occludes it), \
+         then, each with the case's bias, bias (exact depth of the nearest occluder), sampling (exact depth at the texel's centre), arithmetic (f32 transform \
          and raster), quantization (store, packing, sampler, depth attachment), filter. The cause is the \
          first rung from which the verdict stays wrong to the end.",
         "Artifact, by the stored caster at the deciding texel: acne (own or adjacent surface), edge \

@@ -65,6 +65,7 @@ impl Fit {
 /// What to change where a rung causes most of the wrong verdicts.
 const fn knob(cause: Rung) -> &'static str {
     match cause {
+        Rung::Culling => "drawing both faces of the casters into the map",
         Rung::Bias => "a smaller bias",
         Rung::Sampling => "a larger or tighter map, or a bias that follows the slope",
         Rung::Arithmetic => "a tighter near and far plane",
@@ -74,13 +75,13 @@ const fn knob(cause: Rung) -> &'static str {
 }
 
 /// Wrong receivers of both kinds by cause.
-fn by_cause(m: &Measurement) -> [u64; 5] {
+fn by_cause(m: &Measurement) -> [u64; Rung::ALL.len()] {
     let of = |r: &Rung| m.false_shadow.by_cause[r] + m.false_light.by_cause[r];
     std::array::from_fn(|i| of(&Rung::ALL[i]))
 }
 
 /// The most frequent cause and its count; `None` where nothing is wrong.
-fn main_cause(counts: [u64; 5]) -> Option<(Rung, u64)> {
+fn main_cause(counts: [u64; Rung::ALL.len()]) -> Option<(Rung, u64)> {
     let largest = *counts.iter().max()?;
     let at = counts.iter().position(|&n| n == largest && n > 0)?;
     Some((Rung::ALL[at], largest))
@@ -98,7 +99,7 @@ pub(super) fn lead(measurements: &[Measurement], findings: &[Finding]) -> Vec<St
     lead.extend(documents.iter().filter_map(half));
     lead.push(fits(&documents));
     lead.extend(worst(&documents));
-    let mut counts = [0; 5];
+    let mut counts = [0; Rung::ALL.len()];
     for m in &documents {
         counts.iter_mut().zip(by_cause(m)).for_each(|(sum, n)| *sum += n);
     }

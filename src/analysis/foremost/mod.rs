@@ -22,7 +22,7 @@ mod points;
 use super::observe::Observer;
 use crate::light::Lens;
 use crate::simd::Level;
-use crate::truth::Faces;
+use crate::truth::{Faces, SeenFaces};
 use crate::view::ClipSpace;
 use blocks::Blocks;
 use flat::Flat;
@@ -67,22 +67,24 @@ pub struct Foremost {
 }
 
 impl Foremost {
-    /// Sets up the triangles of which `faces` are seen from a map. Which is first does not depend on how
+    /// Sets up the casters of which the `drawn` faces are seen from a map. Which is first does not depend on how
     /// the map writes depth: OpenGL's clip space tells.
     #[must_use]
-    pub fn new(observer: &Observer<'_>, lens: &Lens, faces: Faces) -> Self {
+    pub fn new(observer: &Observer<'_>, lens: &Lens, drawn: &SeenFaces) -> Self {
         let clip = ClipSpace { y_down: lens.map.clip.y_down, ..ClipSpace::OPENGL };
         let lens = &lens.in_clip_space(clip);
-        let faces = match (faces, clip.y_down) {
+        let on_screen = |faces: Faces| match (faces, clip.y_down) {
             (Faces::Front, true) => Faces::Back,
             (Faces::Back, true) => Faces::Front,
             (faces, _) => faces,
         };
         let (size, geometry) = (lens.texels(DVec2::ONE), &observer.geometry);
         let ids = 0..geometry.triangles.len() as u32;
-        let flats = ids.into_par_iter().with_min_len(1024).flat_map_iter(|id| {
+        let ids = ids.into_par_iter().with_min_len(1024);
+        let seen = |id| Some((id, drawn.of(id).filter(|_| geometry.surfaces.casts(id))?));
+        let flats = ids.filter_map(seen).flat_map_iter(|(id, faces)| {
             let clip = geometry.corners(id).map(|p| lens.clip_from_world * p.extend(1.0));
-            parts(clip).filter_map(move |part| Flat::new(id, part, size, faces))
+            parts(clip).filter_map(move |part| Flat::new(id, part, size, on_screen(faces)))
         });
         Self { flats: flats.collect(), sound: is_sound(lens), size }
     }

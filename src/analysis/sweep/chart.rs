@@ -7,7 +7,7 @@ use crate::analysis::classify::StoredCaster;
 use crate::depth::{DepthFormat, Packing};
 use crate::device::Device;
 use crate::light::Layout;
-use crate::raster::passes::{MapPass, MapRaster};
+use crate::raster::passes::{MapPass, MapRaster, Transformed};
 use crate::raster::{Fragments, PolygonOffset, Slots};
 use crate::scene::{Filter, MapSpec, TexelFormat};
 use crate::shadow::bias::{Recipe, Site, Weights};
@@ -38,8 +38,13 @@ impl Attachment {
 }
 
 /// What a byte says of a tap.
-const CASTERS: [StoredCaster; 4] =
-    [StoredCaster::Cleared, StoredCaster::Own, StoredCaster::Occluder, StoredCaster::Other];
+const CASTERS: [StoredCaster; 5] = [
+    StoredCaster::Cleared,
+    StoredCaster::Own,
+    StoredCaster::Occluder,
+    StoredCaster::Other,
+    StoredCaster::Culled,
+];
 
 /// A case's casters over a map of one size, and where its receivers look.
 #[derive(Debug)]
@@ -151,7 +156,8 @@ impl<'f, 'a> Chart<'f, 'a> {
         self.fragments.get_or_init(|| {
             let maps = self.field.case().light.maps().iter().zip(&vertices.maps);
             let maps: Vec<_> = maps.map(|(map, v)| (map.clip, v.clip.as_slice())).collect();
-            Fragments::collect(self.device(), &maps, &vertices.triangles, &self.slots)
+            let Transformed { triangles, surfaces, .. } = vertices;
+            Fragments::collect(self.device(), &maps, triangles, surfaces, &self.slots)
         })
     }
 

@@ -236,6 +236,9 @@ impl<'a> Field<'a> {
         texel: u32,
         layout: &Layout,
     ) -> StoredCaster {
+        if !sample.lit && self.observer.is_culled(sample.gap) {
+            return StoredCaster::Culled;
+        }
         let (own, place) = (sample.receiver.triangle, (sample.map, layout.rect(sample.map)));
         self.observer.caster_of(own, &sample.answer.truth, caster, texel, place)
     }

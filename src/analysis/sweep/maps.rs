@@ -9,7 +9,7 @@ use crate::analysis::classify::StoredCaster;
 use crate::depth::DepthFormat;
 use crate::light::{Lens, Rect};
 use crate::raster::{Fragments, NO_TRIANGLE, Resolve};
-use crate::scene::{Cull, TexelFormat};
+use crate::scene::{CullRule, TexelFormat};
 use crate::shadow::bias::{Layers, Recipe, Site};
 use crate::view::ClipSpace;
 use glam::{DVec3, Vec4};
@@ -113,9 +113,10 @@ impl Chart<'_, '_> {
         let depth_buffer = if texel.is_packed() { resolvable } else { DepthFormat::F32 };
         let cull = match recipe.layers {
             Layers::Nearest => spec.cull,
-            Layers::BackFaces => Cull::Front,
-            Layers::Second | Layers::Midpoint | Layers::Dual => Cull::None,
+            Layers::BackFaces => CullRule::Front,
+            Layers::Second | Layers::Midpoint | Layers::Dual => CullRule::None,
         };
+        let cull = &self.field.observer.geometry.surfaces.culls(cull);
         let compared = |z: f32| self.layout.compared(z);
         let write = |map: usize, front: bool, z: f32| {
             compared(self.oriented(recipe.oriented, map, front, compared(z)))
@@ -182,7 +183,7 @@ impl Chart<'_, '_> {
         let maps: Vec<_> = observer.lenses.iter().zip(self.layout.rects()).map(under).collect();
         let maps: Vec<_> =
             maps.iter().map(|(clip, vertices)| (*clip, vertices.as_slice())).collect();
-        Fragments::collect(device, &maps, &geometry.triangles, &self.slots)
+        Fragments::collect(device, &maps, &geometry.triangles, &geometry.surfaces, &self.slots)
     }
 }
 

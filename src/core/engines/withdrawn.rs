@@ -1,6 +1,6 @@
 //! Lines that are known to be wrong and are not printed until they are mended: when, why, what instead.
 
-use crate::scene::{Case, Cull, Filter};
+use crate::scene::{Case, CullRule, Filter};
 
 /// What decides whether a line is known to be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub struct Setting {
     /// How the map is read.
     pub filter: Filter,
     /// Which faces are left out of the map.
-    pub cull: Cull,
+    pub cull: CullRule,
 }
 
 impl Setting {
@@ -56,7 +56,9 @@ impl Withdrawal {
             When::Directional => !setting.spot,
             When::Spot => setting.spot,
             When::Unfiltered => matches!(setting.filter, Filter::Nearest),
-            When::FrontFaces => !matches!(setting.cull, Cull::Front),
+            When::FrontFaces => {
+                !matches!(setting.cull, CullRule::Front | CullRule::MaterialOpposite)
+            }
         }
     }
 }

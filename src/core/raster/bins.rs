@@ -3,7 +3,7 @@
 
 use super::tile::TILE;
 use super::triangle::snap;
-use super::{Pass, Setup, clip};
+use super::{Pass, Setup, Triangles, clip};
 use crate::device::Device;
 use crate::scene::Cull;
 use crate::simd::{Kernel, Level};
@@ -35,21 +35,21 @@ pub(super) fn is_clipped([a, b, c]: [Place; 3]) -> bool {
 pub(super) struct Scene<'a> {
     pub(super) device: &'a Device,
     pub(super) pass: &'a Pass,
-    pub(super) clip: &'a [Vec4],
-    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) triangles: &'a Triangles<'a>,
 }
 
 impl Scene<'_> {
     /// The set-up of one triangle.
     pub(super) fn setup(&self, id: u32) -> Setup {
-        let corners = self.triangles[id as usize].map(|v| self.clip[v as usize]);
+        let corners = self.triangles.corners[id as usize].map(|v| self.triangles.clip[v as usize]);
         Setup::in_space(self.device, self.pass.size, self.pass.clip, corners)
     }
 
     /// The snapped vertices.
     pub(super) fn places(&self, level: Level) -> Vec<Place> {
-        let mut places = vec![CLIPPED; self.clip.len()];
-        let chunks = places.par_chunks_mut(CHUNK).zip(self.clip.par_chunks(CHUNK));
+        let vertices = self.triangles.clip;
+        let mut places = vec![CLIPPED; vertices.len()];
+        let chunks = places.par_chunks_mut(CHUNK).zip(vertices.par_chunks(CHUNK));
         let near = clip::least(self.pass.clip.range);
         chunks.for_each(|(places, clip)| {
             level.run(Snap { device: self.device, size: self.pass.size, near, clip, places });
@@ -59,9 +59,9 @@ impl Scene<'_> {
 
     /// The triangles sorted by tile, chunk by chunk.
     pub(super) fn bins(&self, places: &[Place], level: Level) -> Vec<Bins> {
-        let chunks = 0..self.triangles.len().div_ceil(CHUNK);
+        let chunks = 0..self.triangles.corners.len().div_ceil(CHUNK);
         let sort = |k: usize| {
-            let ids = k * CHUNK..((k + 1) * CHUNK).min(self.triangles.len());
+            let ids = k * CHUNK..((k + 1) * CHUNK).min(self.triangles.corners.len());
             level.run(Sort { scene: *self, places, ids })
         };
         chunks.into_par_iter().map(sort).collect()
@@ -164,7 +164,7 @@ impl Sort<'_> {
     /// The tiles that a triangle may cover, or none.
     #[inline(always)]
     fn tiles(&self, id: usize) -> Option<Tiles> {
-        let corners = places(self.places, self.scene.triangles[id]);
+        let corners = places(self.places, self.scene.triangles.corners[id]);
         if is_clipped(corners) {
             return self.clipped_tiles(id as u32);
         }
@@ -174,10 +174,11 @@ impl Sort<'_> {
         let right = ceil(a[0].max(b[0]).max(c[0]), s);
         let bottom = ceil(a[1].min(b[1]).min(c[1]), s);
         let top = ceil(a[1].max(b[1]).max(c[1]), s);
-        let culled = match self.scene.pass.screen_cull() {
-            Cull::None => false,
-            Cull::Back => area(corners) <= 0,
-            Cull::Front => area(corners) >= 0,
+        let culled = match self.scene.triangles.screen_cull(self.scene.pass, id as u32) {
+            Some(Cull::None) => false,
+            Some(Cull::Back) => area(corners) <= 0,
+            Some(Cull::Front) => area(corners) >= 0,
+            None => true,
         };
         let column = |pixel: i32| (pixel as u32 / TILE[0]) as u16;
         let row = |pixel: i32| (pixel as u32 / TILE[1]) as u16;
@@ -189,8 +190,9 @@ impl Sort<'_> {
 
     #[inline(never)]
     fn clipped_tiles(&self, id: u32) -> Option<Tiles> {
-        let Scene { device, pass, .. } = self.scene;
-        let outline = self.scene.setup(id).projected.outline(device, pass.screen_cull())?;
+        let Scene { device, pass, triangles } = self.scene;
+        let cull = triangles.screen_cull(pass, id)?;
+        let outline = self.scene.setup(id).projected.outline(device, cull)?;
         let samples = outline.samples();
         let mut tiles = Tiles::default();
         for axis in 0..2 {

@@ -4,7 +4,7 @@
 use super::{Plane, PolygonOffset, Setup, Slots, depth_key};
 use crate::depth::DepthFormat;
 use crate::device::Device;
-use crate::scene::Cull;
+use crate::scene::{Cull, Culls, Surfaces};
 use crate::view::ClipSpace;
 use glam::Vec4;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub struct Resolve<'s> {
     /// Format whose codes the depth test compares.
     pub depth_buffer: DepthFormat,
     /// Faces left out.
-    pub cull: Cull,
+    pub cull: &'s Culls,
     /// Polygon offset.
     pub offset: PolygonOffset,
     /// Format whose resolvable difference the offset counts.
@@ -32,12 +32,22 @@ pub struct Resolve<'s> {
     pub write: Option<&'s dyn Fn(usize, bool, f32) -> f32>,
 }
 
+/// A triangle as a map sees it.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    setup: Setup,
+    /// Whether it turns counter-clockwise.
+    turns: bool,
+    /// Whether its front is seen: that, unless its model is mirrored.
+    front: bool,
+}
+
 /// Fragments over chosen texels, in drawing order.
 #[derive(Clone, Debug)]
 pub struct Fragments {
     device: Device,
     /// The triangles of each map, map by map.
-    setups: Vec<(Setup, bool)>,
+    faces: Vec<Face>,
     /// How many of each.
     count: usize,
     slots: Arc<Slots>,
@@ -49,22 +59,27 @@ pub struct Fragments {
 
 impl Fragments {
     /// Rasterises all triangles in every map, both faces, and keeps what falls on the texels of `slots`.
-    /// `maps` gives each map's clip space and the vertices in it.
+    /// `maps` gives each map's clip space and the vertices in it, `surfaces` which triangles cast.
     #[must_use]
     pub fn collect(
         device: &Device,
         maps: &[(ClipSpace, &[Vec4])],
         triangles: &[[u32; 3]],
+        surfaces: &Surfaces,
         slots: &Arc<Slots>,
     ) -> Self {
-        let (count, mut setups) = (triangles.len(), Vec::new());
+        let (count, mut faces) = (triangles.len(), Vec::new());
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         let mut starts = vec![0u32; slots.len() + 1];
         for (rect, &(clip, vertices)) in slots.layout().rects().iter().zip(maps) {
-            for t in triangles {
+            for (t, triangle) in triangles.iter().zip(0..) {
                 let corners = t.map(|v| vertices[v as usize]);
                 let setup = Setup::in_space(device, rect.size, clip, corners);
-                let id = setups.len() as u32;
+                let (id, turns) = (faces.len() as u32, setup.is_front());
+                faces.push(Face { setup, turns, front: turns != surfaces.is_mirrored(triangle) });
+                if !surfaces.casts(triangle) {
+                    continue;
+                }
                 setup.cover(device, rect.size, Cull::None, |y, first, end| {
                     let texels = rect.texel(first, y)..rect.texel(end, y);
                     for slot in texels.filter_map(|t| slots.found(t)) {
@@ -72,7 +87,6 @@ impl Fragments {
                         starts[slot + 1] += 1;
                     }
                 });
-                setups.push((setup, setup.is_front()));
             }
         }
         for i in 0..slots.len() {
@@ -84,7 +98,7 @@ impl Fragments {
             found[*place as usize] = id;
             *place += 1;
         }
-        Self { device: *device, setups, count, slots: slots.clone(), starts, found }
+        Self { device: *device, faces, count, slots: slots.clone(), starts, found }
     }
 
     /// Column and row, within its map, of the texel at a slot.
@@ -94,23 +108,24 @@ impl Fragments {
 
     /// The depth of every triangle under a pass, and whether its front is seen; `None` where it is culled.
     fn planes(&self, pass: &Resolve<'_>) -> Vec<Option<(bool, Plane)>> {
-        let of = |(setup, front): &(Setup, bool)| {
-            let culled = match pass.cull {
-                Cull::None => false,
-                Cull::Back => !front,
-                Cull::Front => *front,
+        let of = |(id, face): (usize, &Face)| {
+            let culled = match pass.cull.of((id % self.count) as u32) {
+                Some(Cull::None) => false,
+                Some(Cull::Back) => !face.turns,
+                Some(Cull::Front) => face.turns,
+                None => true,
             };
-            let plane = || setup.offset_depth(&self.device, pass.resolvable, pass.offset);
-            (!culled).then(|| (*front, plane()))
+            let plane = || face.setup.offset_depth(&self.device, pass.resolvable, pass.offset);
+            (!culled).then(|| (face.front, plane()))
         };
-        self.setups.iter().map(of).collect()
+        self.faces.iter().enumerate().map(of).collect()
     }
 
     /// The value of a quantity over w at a texel's centre in a map, given at the three vertices of
     /// `triangle`: f64, rounded once.
     #[must_use]
     pub fn value(&self, map: usize, texel: u32, triangle: u32, at_vertices: [f32; 3]) -> f32 {
-        let plane = self.setups[map * self.count + triangle as usize].0.exact_plane(at_vertices);
+        let plane = self.faces[map * self.count + triangle as usize].setup.exact_plane(at_vertices);
         let [x, y] = self.place(map, texel);
         plane.at(x, y)
     }

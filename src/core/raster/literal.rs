@@ -1,6 +1,6 @@
 //! Drawing triangle by triangle, pixel by pixel: the arbiter of the fast path.
 
-use super::{NO_TRIANGLE, Pass, Raster, Setup, depth_key};
+use super::{NO_TRIANGLE, Pass, Raster, Setup, Triangles, depth_key};
 use crate::device::Device;
 use glam::Vec4;
 
@@ -8,6 +8,12 @@ use glam::Vec4;
 /// depth.
 #[must_use]
 pub fn draw_each(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
+    draw_each_of(device, pass, &Triangles::alike(clip, triangles))
+}
+
+/// [`draw_each`] of triangles that need not be drawn alike.
+#[must_use]
+pub fn draw_each_of(device: &Device, pass: &Pass, triangles: &Triangles<'_>) -> Raster {
     let [width, height] = pass.size;
     let texels = width as usize * height as usize;
     let mut raster = Raster {
@@ -18,11 +24,15 @@ pub fn draw_each(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32;
     };
     let key_of = depth_key(device, pass.depth_buffer, pass.clip.reversed);
     let mut keys = vec![key_of(pass.clip.cleared()); texels];
-    for (id, t) in triangles.iter().enumerate() {
-        let corners = t.map(|v| clip[v as usize]);
+    for (id, t) in triangles.corners.iter().enumerate() {
+        let Some(cull) = triangles.screen_cull(pass, id as u32) else {
+            raster.empty_triangles += 1;
+            continue;
+        };
+        let corners = t.map(|v| triangles.clip[v as usize]);
         let setup = Setup::in_space(device, pass.size, pass.clip, corners);
         let depth = setup.offset_depth(device, pass.depth_buffer, pass.offset);
-        let drawn = setup.cover(device, pass.size, pass.screen_cull(), |y, first, end| {
+        let drawn = setup.cover(device, pass.size, cull, |y, first, end| {
             let row = depth.row(y as f32);
             let start = y as usize * width as usize;
             for x in first..end {

@@ -24,18 +24,18 @@ mod triangle;
 
 use crate::depth::DepthFormat;
 use crate::device::{Device, OffsetUnit, SlopeNorm};
-use crate::scene::Cull;
 pub use crate::scene::NO_TRIANGLE;
+use crate::scene::{Cull, Culls};
 use crate::shadow::Drawn;
 pub use crate::shadow::bias::PolygonOffset;
 use crate::view::ClipSpace;
 pub use fragments::{Fragments, Layer, Resolve};
 use glam::{DVec3, Vec4};
-pub use literal::draw_each;
+pub use literal::{draw_each, draw_each_of};
 pub use plane::{Interpolator, Plane, Row, Varyings};
 pub use slots::Slots;
 pub use texels::TexelSet;
-pub use tiles::{draw, draw_at, draw_into, quickest};
+pub use tiles::{draw, draw_at, draw_into, draw_of, quickest};
 pub use triangle::Projected;
 
 /// What a pass draws into.
@@ -43,7 +43,7 @@ pub use triangle::Projected;
 pub struct Pass {
     /// Width and height in texels.
     pub size: [u32; 2],
-    /// Faces left out.
+    /// Faces left out, of every triangle for which nothing else is said ([`Triangles::culls`]).
     pub cull: Cull,
     /// Format of the depth attachment whose codes are compared.
     pub depth_buffer: DepthFormat,
@@ -54,13 +54,47 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// The faces left out by their turn on the screen, which is another where y looks down.
+    /// Faces to be left out, by their turn on the screen, which is another where y looks down.
     #[must_use]
-    pub fn screen_cull(&self) -> Cull {
-        match (self.cull, self.clip.y_down) {
-            (Cull::Front, true) => Cull::Back,
-            (Cull::Back, true) => Cull::Front,
-            (cull, _) => cull,
+    pub const fn on_screen(&self, cull: Cull) -> Cull {
+        if self.clip.y_down { cull.turned() } else { cull }
+    }
+}
+
+/// What a pass draws.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangles<'a> {
+    /// Vertices in clip space.
+    pub clip: &'a [Vec4],
+    /// The vertices of each triangle, in drawing order.
+    pub corners: &'a [[u32; 3]],
+    /// Faces left out of each triangle, or all of it, where they do not agree; else those of the pass.
+    pub culls: Option<&'a [Option<Cull>]>,
+}
+
+impl<'a> Triangles<'a> {
+    /// Triangles that are all drawn alike.
+    #[must_use]
+    pub const fn alike(clip: &'a [Vec4], corners: &'a [[u32; 3]]) -> Self {
+        Self { clip, corners, culls: None }
+    }
+
+    /// These triangles drawn as `culls` says, and the pass that goes with them.
+    #[must_use]
+    pub fn under(self, pass: Pass, culls: &'a Culls) -> (Pass, Self) {
+        match culls {
+            Culls::Alike(cull) => (Pass { cull: *cull, ..pass }, self),
+            Culls::Each(each) => (pass, Self { culls: Some(each), ..self }),
+        }
+    }
+
+    /// The faces of a triangle that a pass leaves out, by their turn on the screen; `None` where it is not
+    /// drawn at all.
+    #[inline(always)]
+    fn screen_cull(&self, pass: &Pass, id: u32) -> Option<Cull> {
+        match self.culls {
+            None => Some(pass.on_screen(pass.cull)),
+            Some(culls) => culls[id as usize].map(|cull| pass.on_screen(cull)),
         }
     }
 }
@@ -79,6 +113,10 @@ pub struct Raster {
 }
 
 impl Raster {
+    const fn of_nothing(size: [u32; 2]) -> Self {
+        Self { size, depth: Vec::new(), triangle: Vec::new(), empty_triangles: 0 }
+    }
+
     /// What a map is stored from.
     #[must_use]
     pub fn drawn(&self) -> Drawn<'_> {

@@ -1,10 +1,12 @@
 //! A case on a device: its map pass and its camera pass, ready to be looked up pixel by pixel.
 
-use super::{Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, Setup, draw};
+use super::{
+    Interpolator, NO_TRIANGLE, Pass, PolygonOffset, Projected, Raster, Setup, Triangles, draw_of,
+};
 use crate::depth::DepthFormat;
 use crate::device::Device;
 use crate::light::{Layout, Lens, Light, Lookup, PlaceInMaps};
-use crate::scene::{Case, Cull, MatrixChain, Stages};
+use crate::scene::{Case, Cull, CullRule, MatrixChain, Stages, Surfaces};
 use crate::shadow::{Drawn, Few, ShadowMap};
 use crate::view::{ClipRange, ClipSpace};
 use glam::{DVec3, Vec4};
@@ -18,6 +20,8 @@ pub struct Transformed {
     pub maps: Vec<MapVertices>,
     /// Triangles of all objects in drawing order; the index is the triangle id.
     pub triangles: Vec<[u32; 3]>,
+    /// How they are there.
+    pub surfaces: Surfaces,
 }
 
 /// Vertices of all objects under one map.
@@ -38,6 +42,7 @@ impl Transformed {
             camera_clip: Vec::new(),
             maps: vec![MapVertices::default(); maps.len()],
             triangles: Vec::new(),
+            surfaces: Surfaces::of(&case.objects),
         };
         for object in &case.objects {
             let first = out.camera_clip.len() as u32;
@@ -65,7 +70,7 @@ impl Transformed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPass {
     /// Faces left out.
-    pub cull: Cull,
+    pub cull: CullRule,
     /// Format of the depth attachment whose codes are compared.
     pub depth_buffer: DepthFormat,
     /// Caster-side offset.
@@ -100,9 +105,13 @@ impl MapRaster {
         MapPass { cull, depth_buffer, offset }: MapPass,
     ) -> Self {
         let maps = light.maps().iter().zip(layout.rects()).zip(&vertices.maps);
+        let culls = vertices.surfaces.culls(cull);
         let mut drawn = maps.map(|((map, rect), vertices_of)| {
-            let pass = Pass { size: rect.size, cull, depth_buffer, offset, clip: map.clip };
-            (rect, draw(device, &pass, &vertices_of.clip, &vertices.triangles))
+            let none = Cull::None;
+            let pass = Pass { size: rect.size, cull: none, depth_buffer, offset, clip: map.clip };
+            let triangles = Triangles::alike(&vertices_of.clip, &vertices.triangles);
+            let (pass, triangles) = triangles.under(pass, &culls);
+            (rect, draw_of(device, &pass, &triangles))
         });
         if layout.only().is_some() {
             let rasters = drawn.next().map(|(_, raster)| (raster.depth, raster.triangle));
@@ -245,10 +254,13 @@ fn draw_canvas(
 ) -> Raster {
     let pass = Pass {
         size: case.canvas,
-        cull: case.camera_cull,
+        cull: Cull::None,
         depth_buffer,
         offset: PolygonOffset::default(),
         clip: ClipSpace::OPENGL,
     };
-    draw(device, &pass, &vertices.camera_clip, &vertices.triangles)
+    let culls = vertices.surfaces.picture_culls(case.camera_cull);
+    let triangles = Triangles::alike(&vertices.camera_clip, &vertices.triangles);
+    let (pass, triangles) = triangles.under(pass, &culls);
+    draw_of(device, &pass, &triangles)
 }

@@ -9,7 +9,7 @@ use super::bins::{Bins, Place, Scene, is_clipped, places};
 use super::plane::Plane;
 use super::test::{DepthTest, Test, Turned};
 use super::tile::{Exact, Surface, TILE, Tile};
-use super::{Pass, Raster, draw_each};
+use super::{Pass, Raster, Triangles, draw_each_of};
 use crate::device::{Device, PlaneSetup};
 use crate::simd::lanes::BATCH;
 use crate::simd::{Kernel, Level};
@@ -25,6 +25,15 @@ const LARGEST: u32 = 1 << 16;
 #[must_use]
 pub fn draw(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
     draw_at(quickest(), device, pass, clip, triangles)
+}
+
+/// [`draw`] of triangles that need not be drawn alike: bit for bit what
+/// [`draw_each_of`] writes.
+#[must_use]
+pub fn draw_of(device: &Device, pass: &Pass, triangles: &Triangles<'_>) -> Raster {
+    let mut raster = Raster::of_nothing(pass.size);
+    draw_over(&mut raster, quickest(), device, pass, triangles);
+    raster
 }
 
 /// Eight pixels fill the vectors of AVX2; wider ones measured no quicker.
@@ -45,8 +54,7 @@ pub fn draw_at(
     clip: &[Vec4],
     triangles: &[[u32; 3]],
 ) -> Raster {
-    let mut raster =
-        Raster { size: pass.size, depth: Vec::new(), triangle: Vec::new(), empty_triangles: 0 };
+    let mut raster = Raster::of_nothing(pass.size);
     draw_into(&mut raster, level, device, pass, clip, triangles);
     raster
 }
@@ -63,15 +71,26 @@ pub fn draw_into(
     clip: &[Vec4],
     triangles: &[[u32; 3]],
 ) {
+    draw_over(raster, level, device, pass, &Triangles::alike(clip, triangles));
+}
+
+fn draw_over(
+    raster: &mut Raster,
+    level: Level,
+    device: &Device,
+    pass: &Pass,
+    triangles: &Triangles<'_>,
+) {
     let [width, height] = pass.size;
     if device.subpixel_bits > FINEST || width.max(height) > LARGEST {
-        *raster = draw_each(device, pass, clip, triangles);
+        *raster = draw_each_of(device, pass, triangles);
         return;
     }
-    let scene = Scene { device, pass, clip, triangles };
+    let scene = Scene { device, pass, triangles };
     let places = &scene.places(level);
     let bins = &scene.bins(places, level);
-    let drawn: &Vec<AtomicBool> = &triangles.iter().map(|_| AtomicBool::new(false)).collect();
+    let drawn: &Vec<AtomicBool> =
+        &triangles.corners.iter().map(|_| AtomicBool::new(false)).collect();
     let texels = width as usize * height as usize;
     if raster.depth.len() != texels || raster.triangle.len() != texels {
         // Zeroed pages are first touched by the thread that draws them.
@@ -173,13 +192,13 @@ impl<T: Test> Brush<'_, T> {
     /// Draws triangles in order: small ones eight at a time, those before a large one first.
     #[inline(always)]
     fn draw(&mut self, ids: &[u32]) {
-        let Scene { clip, triangles, .. } = self.scene;
+        let Triangles { clip, corners, .. } = *self.scene.triangles;
         let mut at = 0;
         while at < ids.len() {
             let mut large = None;
             while at < ids.len() && self.batch.len < BATCH && large.is_none() {
                 let id = ids[at];
-                let [a, b, c] = triangles[id as usize];
+                let [a, b, c] = corners[id as usize];
                 let places = places(self.places, [a, b, c]);
                 if is_clipped(places) || !batch::fits(places) {
                     large = Some(id);
@@ -320,7 +339,9 @@ impl<T: Test> Brush<'_, T> {
             return;
         }
         let plane = setup.offset_depth(device, pass.depth_buffer, pass.offset);
-        let Some(outline) = setup.projected.outline(device, pass.screen_cull()) else { return };
+        let cull = self.scene.triangles.screen_cull(pass, id);
+        let outline = cull.and_then(|cull| setup.projected.outline(device, cull));
+        let Some(outline) = outline else { return };
         let window = [0, 1].map(|k| {
             let first = self.origin[k];
             [first, (first + TILE[k]).min(pass.size[k])]

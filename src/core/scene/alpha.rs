@@ -7,9 +7,9 @@ crate::catalogue! {
     pub enum Tiling {
         /// The border texel goes on for ever.
         Clamp = "clamp-to-edge",
-        /// The texture repeats.
+        /// It repeats.
         Repeat = "repeat",
-        /// The texture repeats, every second time mirrored.
+        /// It repeats, every second one mirrored.
         Mirror = "mirrored-repeat",
     }
 }

@@ -1,8 +1,8 @@
 //! A case of a guest's own: meshes, light and camera, checked; all else has a default.
 
 use super::{
-    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, MatrixChain,
-    Mesh, Object, Shading, TexelFormat, Wrap,
+    Case, CompareRule, CoordForm, Cull, CullRule, DepthBuffer, Filter, LookupSpec, MapSpec,
+    MatrixChain, Mesh, Object, Shading, Surface, TexelFormat, Wrap,
 };
 use crate::camera::Camera;
 use crate::depth::DepthFormat;
@@ -56,7 +56,7 @@ impl CaseBuilder {
             texel: TexelFormat::Depth(DepthFormat::F32),
             clear: [1.0; 4],
             depth_buffer: DepthBuffer::Texture,
-            cull: Cull::None,
+            cull: CullRule::None,
         };
         let lookup = LookupSpec {
             coord: CoordForm::Divide,
@@ -104,6 +104,16 @@ impl CaseBuilder {
         self
     }
 
+    /// How the last mesh is drawn: its sides and holes, whether it casts and receives. Without a mesh
+    /// nothing changes.
+    #[must_use]
+    pub fn surface(mut self, surface: Surface) -> Self {
+        if let Some(last) = self.case.objects.last_mut() {
+            last.surface = surface;
+        }
+        self
+    }
+
     /// Width and height of the camera's picture, pixels.
     #[must_use]
     pub const fn canvas(mut self, canvas: [u32; 2]) -> Self {
@@ -118,10 +128,10 @@ impl CaseBuilder {
         self
     }
 
-    /// Which faces are left out of the map.
+    /// Which faces are left out of the map: of every object alike, or by its material.
     #[must_use]
-    pub const fn cull(mut self, cull: Cull) -> Self {
-        self.case.map.cull = cull;
+    pub fn cull(mut self, cull: impl Into<CullRule>) -> Self {
+        self.case.map.cull = cull.into();
         self
     }
 

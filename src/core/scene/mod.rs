@@ -10,6 +10,7 @@ pub mod matrix;
 pub mod pipeline;
 pub mod shapes;
 mod surface;
+mod surfaces;
 mod tent;
 pub mod texel;
 
@@ -21,10 +22,11 @@ pub use chain::{Matrices, MatrixChain, Stages};
 pub use disk::TurnedDisk;
 pub use filter::{Filter, FilterKernel};
 use glam::{DVec3, Mat4, Vec3};
-pub use pipeline::{CompareRule, CoordForm, Cull, LookupSpec, MapSpec, Wrap};
+pub use pipeline::{CompareRule, CoordForm, Cull, CullRule, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;
 use std::sync::Arc;
 pub use surface::{Sides, Surface};
+pub use surfaces::{Culls, Surfaces};
 pub use tent::AxisWeights;
 pub use texel::{DepthBuffer, TexelFormat};
 
@@ -38,6 +40,8 @@ pub struct Geometry {
     pub triangles: Vec<[u32; 3]>,
     /// Index of the object that each triangle belongs to.
     pub object: Vec<u16>,
+    /// How they are there.
+    pub surfaces: Arc<Surfaces>,
 }
 
 /// The id of no triangle: nothing was drawn.
@@ -151,7 +155,7 @@ pub struct Case {
     pub name: String,
     /// The document or derivation it comes from.
     pub document: String,
-    /// Everything that is drawn; all objects cast and receive.
+    /// Everything that is drawn.
     pub objects: Vec<Object>,
     /// The light with its maps.
     pub light: Light,
@@ -192,7 +196,8 @@ impl Case {
     /// World-space triangles of all objects, in drawing order.
     #[must_use]
     pub fn geometry(&self) -> Geometry {
-        let mut geometry = Geometry::default();
+        let surfaces = Arc::new(Surfaces::of(&self.objects));
+        let mut geometry = Geometry { surfaces, ..Geometry::default() };
         for (index, object) in self.objects.iter().enumerate() {
             let first = geometry.positions.len() as u32;
             let model = object.model.as_dmat4();

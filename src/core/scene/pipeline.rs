@@ -123,6 +123,45 @@ crate::catalogue! {
     }
 }
 
+impl Cull {
+    /// The other face, where front and back change places.
+    #[must_use]
+    pub const fn turned(self) -> Self {
+        match self {
+            Self::None => Self::None,
+            Self::Front => Self::Back,
+            Self::Back => Self::Front,
+        }
+    }
+}
+
+crate::catalogue! {
+    /// Which faces a map leaves out: the same of every object, or by each one's material.
+    pub enum CullRule {
+        /// None.
+        None = "none",
+        /// Front faces of every object.
+        Front = "front",
+        /// Back faces of every object.
+        Back = "back",
+        /// What the material does not draw: back faces where it draws the front alone.
+        Material = "material",
+        /// The sides opposite to the material's are drawn: back faces where it draws the front alone
+        /// (three.js without `shadowSide`).
+        MaterialOpposite = "material-opposite",
+    }
+}
+
+impl From<Cull> for CullRule {
+    fn from(cull: Cull) -> Self {
+        match cull {
+            Cull::None => Self::None,
+            Cull::Front => Self::Front,
+            Cull::Back => Self::Back,
+        }
+    }
+}
+
 /// How a light's maps are drawn and kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSpec {
@@ -136,7 +175,7 @@ pub struct MapSpec {
     /// The pass' depth attachment.
     pub depth_buffer: DepthBuffer,
     /// Faces left out of the map.
-    pub cull: Cull,
+    pub cull: CullRule,
 }
 
 impl MapSpec {

@@ -276,7 +276,7 @@ pub fn texel_depth(device: &Device, spec: &MapSpec, drawn: Option<f32>) -> f32 {
 mod tests {
     use super::*;
     use crate::device::DeviceProfile;
-    use crate::scene::{Cull, DepthBuffer};
+    use crate::scene::{CullRule, DepthBuffer};
 
     #[test]
     fn maps_stored_together_equal_maps_stored_alone() {
@@ -294,7 +294,7 @@ mod tests {
             let drawn = Drawn { depth: &depth, triangle: &triangle };
             let spec = |&texel: &TexelFormat| {
                 let (clear, depth_buffer) = ([0.25, 0.5, 0.75, 1.0], DepthBuffer::Texture);
-                MapSpec { size, texel, clear, depth_buffer, cull: Cull::None }
+                MapSpec { size, texel, clear, depth_buffer, cull: CullRule::None }
             };
             let specs: Vec<MapSpec> = all.iter().map(spec).collect();
             let layout = Layout::whole([size; 2]);

@@ -7,7 +7,7 @@ use obvhs::{BvhBuildParams, aabb::Aabb, ray::Ray};
 
 use super::cover::Contacts;
 use super::intersect::{Meeting, Segment};
-use super::{Answer, Faces, FirstHit, LightEnd, Receiver, Truth};
+use super::{Answer, Faces, FirstHit, LightEnd, Receiver, SeenFaces, Truth};
 use crate::scene::Geometry;
 
 /// Below this many triangles testing all of them is quicker than a tree.
@@ -45,7 +45,7 @@ impl std::fmt::Debug for Tracer {
 }
 
 impl Tracer {
-    /// A tracer in which every triangle occludes.
+    /// A tracer in which every triangle occludes that casts.
     #[must_use]
     pub fn new(geometry: &Geometry) -> Self {
         Self::with_objects(geometry, |_| true)
@@ -57,8 +57,8 @@ impl Tracer {
         Self::bare(geometry, |_| true)
     }
 
-    /// A tracer in which only the triangles of accepted objects occlude. Triangle ids stay those
-    /// of `geometry`.
+    /// A tracer in which only the triangles of accepted objects occlude, if they cast. Triangle ids stay
+    /// those of `geometry`.
     #[must_use]
     pub fn with_objects(geometry: &Geometry, accept: impl Fn(u16) -> bool) -> Self {
         Self::bare(geometry, accept).planted()
@@ -67,8 +67,9 @@ impl Tracer {
     fn bare(geometry: &Geometry, accept: impl Fn(u16) -> bool) -> Self {
         let ids = 0..geometry.triangles.len() as u32;
         let corners: Vec<_> = ids.clone().map(|id| geometry.corners(id)).collect();
-        let accepted =
-            ids.filter(|&id| geometry.object.get(id as usize).is_none_or(|&o| accept(o)));
+        let object = |id: &u32| geometry.object.get(*id as usize);
+        let casters = geometry.surfaces.casters(ids.end).into_iter().flatten();
+        let accepted = casters.filter(|id| object(id).is_none_or(|&o| accept(o)));
         let leaves: Vec<_> =
             accepted.map(|id| Leaf { corners: corners[id as usize], id }).collect();
         let (low, high) = bounds(geometry.positions.iter());
@@ -116,7 +117,7 @@ impl Tracer {
         if segment.is_void() {
             return Answer { truth: Truth::Ambiguous, touching: 0 };
         }
-        let contacts = self.contacts(&segment, Faces::Both, receiver.triangle);
+        let contacts = self.contacts(&segment, &SeenFaces::Alike(Faces::Both), receiver.triangle);
         contacts.answer(&segment, |id| self.corners[id as usize])
     }
 
@@ -138,11 +139,23 @@ impl Tracer {
         faces: Faces,
         exclude: Option<u32>,
     ) -> FirstHit {
+        self.first_of(from, to, &SeenFaces::Alike(faces), exclude)
+    }
+
+    /// As [`Self::first_hit`], where the sides that are seen may differ from triangle to triangle.
+    #[must_use]
+    pub fn first_of(
+        &self,
+        from: DVec3,
+        to: DVec3,
+        drawn: &SeenFaces,
+        exclude: Option<u32>,
+    ) -> FirstHit {
         let segment = self.segment(from, to);
         if segment.is_void() {
             return FirstHit::Ambiguous;
         }
-        let contacts = self.contacts(&segment, faces, exclude.unwrap_or(u32::MAX));
+        let contacts = self.contacts(&segment, drawn, exclude.unwrap_or(u32::MAX));
         contacts.first_hit(&segment, |id| self.corners[id as usize])
     }
 
@@ -189,7 +202,7 @@ impl Tracer {
     }
 
     /// Everything that meets the segment.
-    fn contacts(&self, segment: &Segment, faces: Faces, exclude: u32) -> Contacts {
+    fn contacts(&self, segment: &Segment, drawn: &SeenFaces, exclude: u32) -> Contacts {
         let mut contacts = Contacts::default();
         self.candidates(segment, |leaf| {
             if leaf.id == exclude {
@@ -198,7 +211,7 @@ impl Tracer {
             match segment.meet(leaf.id, &leaf.corners) {
                 Meeting::Miss => {}
                 Meeting::Touching => contacts.touch(),
-                Meeting::Contact(contact) if counts(faces, contact.facing()) => {
+                Meeting::Contact(contact) if counts(drawn.of(leaf.id), contact.facing()) => {
                     contacts.add(contact);
                 }
                 Meeting::Contact(_) => {}
@@ -220,11 +233,12 @@ impl Tracer {
 }
 
 /// Whether a triangle seen from this side is wanted; one seen edge-on always is.
-fn counts(faces: Faces, facing: i8) -> bool {
+fn counts(faces: Option<Faces>, facing: i8) -> bool {
     match faces {
-        Faces::Both => true,
-        Faces::Front => facing <= 0,
-        Faces::Back => facing >= 0,
+        Some(Faces::Both) => true,
+        Some(Faces::Front) => facing <= 0,
+        Some(Faces::Back) => facing >= 0,
+        None => false,
     }
 }
 

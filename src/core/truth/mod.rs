@@ -37,6 +37,7 @@ mod plane;
 pub use answers::Answers;
 pub use bvh::Tracer;
 
+use crate::scene::{Cull, Culls};
 use glam::DVec3;
 
 /// What a receiver sees towards the light.
@@ -112,6 +113,50 @@ crate::catalogue! {
         Front = "front",
         /// Only triangles seen clockwise.
         Back = "back",
+    }
+}
+
+/// Which sides of which triangles count, as seen from the start of the segment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SeenFaces {
+    /// The same of every triangle.
+    Alike(Faces),
+    /// By triangle id; `None` of one that never counts.
+    Each(Vec<Option<Faces>>),
+}
+
+impl SeenFaces {
+    /// The sides that a map draws which leaves out these faces.
+    #[must_use]
+    pub fn left_by(culls: &Culls) -> Self {
+        let left = |cull: Cull| match cull {
+            Cull::None => Faces::Both,
+            Cull::Back => Faces::Front,
+            Cull::Front => Faces::Back,
+        };
+        match culls {
+            Culls::Alike(cull) => Self::Alike(left(*cull)),
+            Culls::Each(each) => Self::Each(each.iter().map(|cull| cull.map(left)).collect()),
+        }
+    }
+
+    /// The sides of a triangle that count.
+    #[must_use]
+    #[inline]
+    pub fn of(&self, id: u32) -> Option<Faces> {
+        match self {
+            Self::Alike(faces) => Some(*faces),
+            Self::Each(each) => each[id as usize],
+        }
+    }
+
+    /// Whether both sides of every triangle count that counts at all.
+    #[must_use]
+    pub fn is_everything(&self) -> bool {
+        match self {
+            Self::Alike(faces) => *faces == Faces::Both,
+            Self::Each(each) => each.iter().all(|f| f.is_none_or(|faces| faces == Faces::Both)),
+        }
     }
 }
 

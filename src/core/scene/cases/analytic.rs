@@ -275,7 +275,7 @@ pub fn solid(cull: Cull) -> Case {
     let gap = if cull == Cull::Front { 0.025 * 16.0 * 0.6 } else { 0.0 };
     let name = if cull == Cull::Front { "t6-box-back-faces" } else { "t6-box" };
     let mut case = case(on_ground(name, "closed form: box on ground", 0.025, block, gap));
-    case.map.cull = cull;
+    case.map.cull = cull.into();
     case
 }
 

@@ -6,8 +6,8 @@ use crate::device::DeviceProfile;
 use crate::light::Light;
 use crate::scene::shapes::{self, Mesh};
 use crate::scene::{
-    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, MatrixChain,
-    Object, Shading, TexelFormat, Wrap,
+    Case, CompareRule, CoordForm, Cull, CullRule, DepthBuffer, Filter, LookupSpec, MapSpec,
+    MatrixChain, Object, Shading, TexelFormat, Wrap,
 };
 use crate::view::{Projection, View};
 use glam::{DMat3, DVec3, Mat4, Vec3};
@@ -115,7 +115,7 @@ fn colour_case(c: ColourCase<'_>) -> Case {
             texel: TexelFormat::Packed(c.packing),
             clear: OPAQUE_BLACK,
             depth_buffer: DepthBuffer::Unorm16,
-            cull: Cull::None,
+            cull: CullRule::None,
         },
         lookup: LookupSpec {
             coord: CoordForm::DivideHalveAdd,
@@ -240,7 +240,7 @@ fn depth_case(
             texel: TexelFormat::Depth(DepthFormat::Unorm24),
             clear: [1.0; 4],
             depth_buffer: DepthBuffer::Texture,
-            cull: Cull::Back,
+            cull: CullRule::Back,
         },
         lookup,
         camera_cull: Cull::Back,
@@ -295,7 +295,7 @@ fn exam() -> Case {
     let camera = camera([6.0, 5.0, 7.0], 60.0, 2000.0);
     let document = "003 WebGL2 PCF";
     let mut case = depth_case("exam-pcf", document, light, camera, MatrixChain::BiasMatrix, lookup);
-    case.map.cull = Cull::Front;
+    case.map.cull = CullRule::Front;
     case.bias = 0.001;
     case.shading = Shading::AmbientLambert;
     case.assumptions = vec![

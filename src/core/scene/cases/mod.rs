@@ -6,7 +6,8 @@ pub mod documents;
 pub mod standard;
 
 use super::{
-    Case, CompareRule, CoordForm, Cull, DepthBuffer, Filter, LookupSpec, MapSpec, TexelFormat, Wrap,
+    Case, CompareRule, CoordForm, CullRule, DepthBuffer, Filter, LookupSpec, MapSpec, TexelFormat,
+    Wrap,
 };
 use crate::depth::DepthFormat;
 use crate::{Error, Result};
@@ -57,7 +58,7 @@ const fn float_map(size: u32) -> MapSpec {
         texel: TexelFormat::Depth(DepthFormat::F32),
         clear: [1.0; 4],
         depth_buffer: DepthBuffer::Texture,
-        cull: Cull::None,
+        cull: CullRule::None,
     }
 }
 

@@ -30,6 +30,7 @@ mod work;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 use super::{Answers, LightEnd, Receiver, Tracer};
 use crate::scene::Geometry;
@@ -232,7 +233,8 @@ impl Job<'_> {
             Shared { geometry, receivers, light, extent, frame, bins, vertices, known, skips };
         let found = self.sweep(shared);
         found.iter().for_each(|found| self.work += found.work);
-        self.work.answered += receivers_held as u64 * geometry.triangles.len() as u64;
+        let casters: usize = self.casters().iter().map(|ids| ids.len()).sum();
+        self.work.answered += receivers_held as u64 * casters as u64;
         settle::settle(shared, &found, answers, self.options.level)
     }
 
@@ -241,12 +243,19 @@ impl Job<'_> {
     fn sweep(&self, shared: Shared) -> Vec<Found> {
         let (count, level) = (self.geometry.triangles.len() as u32, self.options.level);
         let chunk = (count / CHUNKS).clamp(CHUNK[0], CHUNK[1]);
-        let mut order: Vec<u32> = (0..count.div_ceil(chunk)).collect();
-        order.sort_by_key(|k| k.reverse_bits());
-        let run = |k: u32| {
-            let ids = k * chunk..((k + 1) * chunk).min(count);
-            level.run(Chunk { shared, ids, found: Found::default() })
+        let chunks = |ids: Range<u32>| {
+            let chunk = chunk as usize;
+            ids.clone().step_by(chunk).map(move |k| k..ids.end.min(k.saturating_add(chunk as u32)))
         };
+        let mut order: Vec<(u32, Range<u32>)> =
+            (0..).zip(self.casters().into_iter().flat_map(chunks)).collect();
+        order.sort_by_key(|(k, _)| k.reverse_bits());
+        let run = |(_, ids)| level.run(Chunk { shared, ids, found: Found::default() });
         order.into_par_iter().map(run).collect()
+    }
+
+    /// The triangles that cast, in runs.
+    fn casters(&self) -> Vec<Range<u32>> {
+        self.geometry.surfaces.casters(self.geometry.triangles.len() as u32)
     }
 }
