@@ -11,7 +11,7 @@ use crate::light::{Layout, Lens, Lookup};
 use crate::raster::passes::Subject;
 use crate::scene::{Case, TexelFormat};
 use crate::shadow::Few;
-use crate::shadow::bias::{Recipe, Site};
+use crate::shadow::bias::{Recipe, Site, SurfaceNormals};
 use crate::truth::{Answer, Receiver, Truth};
 use crate::view::length;
 use crate::{Error, Result};
@@ -182,9 +182,11 @@ impl<'a> Field<'a> {
         let position = sample.receiver.position;
         let map = &self.observer.lenses[sample.map].map;
         let (z, map_size) = (map.axial_distance(position), layout.rect(sample.map).size);
+        let normals = self.observer.vertex_normals_at(&sample.receiver);
         Site {
             position,
             normal: sample.normal,
+            normals: normals.unwrap_or(SurfaceNormals::flat(sample.normal)),
             to_light: self.case().light.direction_from(position),
             texel_world: map.texel_world(map_size[0], z),
             window_per_world: map.depth_per_world(z),
