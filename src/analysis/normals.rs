@@ -18,8 +18,12 @@ impl Observer<'_> {
     /// draws both reverses the normal that shades where the camera sees the back, and never those of the
     /// vertices; one that draws the front alone turns nothing.
     #[must_use]
+    #[inline]
     pub fn vertex_normals_at(&self, receiver: &Receiver) -> Option<SurfaceNormals> {
-        let normals = self.vertex_normals.as_ref()?;
+        self.interpolated(receiver, self.vertex_normals.as_ref()?)
+    }
+
+    fn interpolated(&self, receiver: &Receiver, normals: &[DVec3]) -> Option<SurfaceNormals> {
         let corners = self.geometry.triangles[receiver.triangle as usize];
         let corner = corners.map(|v| normals[v as usize]);
         if corner.contains(&DVec3::ZERO) {

@@ -189,7 +189,7 @@ impl OutsideCounts {
     ) {
         let Truth::Shadowed(occlusion) = &answer.truth else { return };
         let ray = observer.light_end(receiver.position) - receiver.position;
-        let hit = receiver.position + ray * (occlusion.first_gap / crate::view::length(ray));
+        let hit = receiver.position + ray * (occlusion.first_gap / f64::sqrt(ray.dot(ray)));
         let (distance, (near, far)) = (map.axial_distance(hit), map.projection.near_far());
         let slack = |plane: f64| SLACK * (plane.abs() + distance.abs());
         let end = match (distance < near - slack(near), distance > far + slack(far)) {

@@ -7,7 +7,7 @@ use crate::device::{Device, DeviceProfile};
 use crate::raster::{NO_TRIANGLE, Pass, PolygonOffset, draw};
 use crate::report::Scale;
 use crate::scene::Cull;
-use crate::shadow::bias::{NormalMove, NormalWeight, Site, SurfaceNormals};
+use crate::shadow::bias::{NormalMove, NormalWeight, Site};
 use crate::view::Projection;
 use glam::{DVec2, DVec3};
 
@@ -91,7 +91,7 @@ fn smallest_offset(degrees: f64, cos: f64, sin: f64) -> f64 {
         let site = Site {
             position: DVec3::ZERO,
             normal,
-            normals: SurfaceNormals::flat(normal),
+            normals: None,
             to_light: DVec3::Z,
             texel_world: TEXEL,
             window_per_world: 1.0 / sheet.range,

@@ -10,7 +10,7 @@ use crate::depth::DepthFormat;
 use crate::light::{Lens, Rect};
 use crate::raster::{Fragments, NO_TRIANGLE, Resolve};
 use crate::scene::{Cull, TexelFormat};
-use crate::shadow::bias::{Layers, Recipe, Site, SurfaceNormals};
+use crate::shadow::bias::{Layers, Recipe, Site};
 use crate::view::ClipSpace;
 use glam::{DVec3, Vec4};
 use std::borrow::Cow;
@@ -167,7 +167,7 @@ impl Chart<'_, '_> {
                 let site = Site {
                     position: p,
                     normal,
-                    normals: SurfaceNormals::flat(normal),
+                    normals: None,
                     to_light: light.direction_from(p),
                     texel_world: lens.map.texel_world(rect.size[0], distance),
                     window_per_world: 0.0,

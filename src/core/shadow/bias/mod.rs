@@ -32,8 +32,8 @@ pub struct Site {
     pub position: DVec3,
     /// Unit normal of the face on the side that the light reaches.
     pub normal: DVec3,
-    /// Normals of the vertices there; the face's where a mesh has none.
-    pub normals: SurfaceNormals,
+    /// Normals of the vertices there; `None` where a mesh has none and the face's stands for them.
+    pub normals: Option<SurfaceNormals>,
     /// Unit vector towards the light.
     pub to_light: DVec3,
     /// Edge of a texel there.

@@ -59,14 +59,6 @@ pub struct SurfaceNormals {
     pub shading: DVec3,
 }
 
-impl SurfaceNormals {
-    /// A surface without normals of its own: its face's normal is all of them.
-    #[must_use]
-    pub const fn flat(face: DVec3) -> Self {
-        Self { vertices: face, interpolated: face, shading: face }
-    }
-}
-
 /// A move along the normal by amount · weight(θ) · (texel edge or 1 world unit).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMove {
@@ -104,12 +96,13 @@ impl NormalMove {
         if self.amount == 0.0 {
             return DVec3::ZERO;
         }
-        let SurfaceNormals { vertices, interpolated, shading } = site.normals;
-        let (normal, cosine_of) = match self.along {
-            MoveNormal::Face => (site.normal, site.normal),
-            MoveNormal::Vertices => (vertices, interpolated),
-            MoveNormal::Interpolated => (interpolated, interpolated),
-            MoveNormal::Shading => (shading, shading),
+        let (normal, cosine_of) = match (self.along, &site.normals) {
+            (MoveNormal::Face, _) | (_, None) => (site.normal, site.normal),
+            (MoveNormal::Vertices, Some(normals)) => (normals.vertices, normals.interpolated),
+            (MoveNormal::Interpolated, Some(normals)) => {
+                (normals.interpolated, normals.interpolated)
+            }
+            (MoveNormal::Shading, Some(normals)) => (normals.shading, normals.shading),
         };
         let cosine = cosine_of.dot(site.to_light);
         let unit = if self.in_texels { site.texel_world } else { 1.0 };
