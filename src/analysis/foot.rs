@@ -16,26 +16,30 @@ const GOES_ON: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Surfaces that go on which a look passes before it gives up.
 const PASSED: usize = 64;
 
+/// A way along a receiver's plane.
+pub(super) struct Way {
+    /// Where to; unit.
+    pub(super) along: DVec3,
+    /// Edge of a texel at the receiver, world units.
+    pub(super) texel: f64,
+    /// Whether triangles meet the receiver itself ([`crate::truth::Answer::touching`]).
+    pub(super) touching: bool,
+}
+
 impl Observer<'_> {
-    /// Way from a receiver along its plane, in the unit direction `along`, to where something stands on the
-    /// side that is seen, and `reach` where nothing does before; 0 where it is covered. World units; `texel`
-    /// is a texel's edge there.
+    /// World length of a way from a receiver to where something stands on the
+    /// side that is seen, and `reach` where nothing does before; 0 where it is covered.
     ///
     /// A ray at a 64th of a texel above the plane: what it meets hides the plane behind. Under a box that
     /// rests on a floor or is sunk into it the way ends at its side, under one that floats it goes on.
-    pub(super) fn clearance(
-        &self,
-        receiver: &Receiver,
-        along: DVec3,
-        texel: f64,
-        reach: f64,
-    ) -> f64 {
+    pub(super) fn clearance(&self, receiver: &Receiver, way: &Way, reach: f64) -> f64 {
+        let Way { along, texel, touching } = *way;
         let seen = self.seen_normal(receiver);
         let up = seen / length(seen);
         if !(up.is_finite() && reach > 0.0) {
             return reach;
         }
-        if self.is_covered(receiver, up, HEIGHT * texel) {
+        if touching && self.is_covered(receiver, up, HEIGHT * texel) {
             return 0.0;
         }
         let winding = self.geometry.area_normal(receiver.triangle).dot(seen).signum();

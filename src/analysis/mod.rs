@@ -19,6 +19,7 @@ pub mod ladder;
 pub mod measure;
 pub mod measurement;
 pub mod need;
+mod normals;
 pub mod observation;
 pub mod observe;
 mod observe_all;

@@ -48,6 +48,8 @@ pub struct Observer<'a> {
     light: LightEnd,
     /// The unit vector towards a directional light.
     sun: Option<DVec3>,
+    /// Unit normals of the vertices in the world ([`Case::vertex_normals`]).
+    pub(super) vertex_normals: Option<Vec<DVec3>>,
     /// How answers are found.
     pub effort: Effort,
 }
@@ -160,6 +162,7 @@ impl<'a> Observer<'a> {
             lenses,
             unquantized,
             float_triangles,
+            vertex_normals: case.vertex_normals(),
             effort,
         }
     }
@@ -340,8 +343,8 @@ impl<'a> Observer<'a> {
         self.subject.map.taps(&self.subject.device, spec, lookups, pixel)
     }
 
-    /// The normal of the side of a receiver that the camera sees, not normalised: what shading and *seen*
-    /// go by. The geometric one.
+    /// The geometric normal of the side of a receiver that the camera sees, not normalised: what standings go
+    /// by.
     #[must_use]
     pub fn seen_normal(&self, receiver: &Receiver) -> DVec3 {
         let normal = self.geometry.area_normal(receiver.triangle);
@@ -350,13 +353,16 @@ impl<'a> Observer<'a> {
     }
 
     /// The unit vector from a receiver towards the light.
-    fn to_light(&self, receiver: &Receiver) -> DVec3 {
+    pub(super) fn to_light(&self, receiver: &Receiver) -> DVec3 {
         self.sun.unwrap_or_else(|| self.case().light.direction_from(receiver.position))
     }
 
-    /// N·L of the side of a receiver that the camera sees; 0 where it has no normal.
+    /// N·L of the side of a receiver that the camera sees, N the normal that shades; 0 where it has none.
     #[must_use]
     pub fn cosine(&self, receiver: &Receiver) -> f64 {
+        if let Some(normals) = self.vertex_normals_at(receiver) {
+            return normals.shading.dot(self.to_light(receiver));
+        }
         let normal = self.seen_normal(receiver);
         let cosine = normal.dot(self.to_light(receiver)) / crate::view::length(normal);
         if cosine.is_finite() { cosine } else { 0.0 }

@@ -1,5 +1,5 @@
 //! What lies outside a light's maps and cone: receivers by reason, with the value that would include them,
-//! and casters that near and far cut off.
+//! casters that near and far cut off, and normals that point away from the light.
 
 mod words;
 
@@ -108,6 +108,8 @@ pub(super) struct OutsideCounts {
     cut: [Vec<u64>; 2],
     /// The outermost near and far that those occluders take.
     cut_takes: [Option<f64>; 2],
+    /// Truly lit receivers, and those whose vertices' normals point away from the light.
+    lit: [u64; 2],
 }
 
 /// The smaller of two near distances, the larger of two others.
@@ -136,6 +138,7 @@ impl OutsideCounts {
     /// The counts of both.
     pub(super) fn joined(mut self, other: Self) -> Self {
         self.seen += other.seen;
+        self.lit.iter_mut().zip(other.lit).for_each(|(a, b)| *a += b);
         self.receivers.iter_mut().zip(other.receivers).for_each(|(a, b)| *a += b);
         self.takes.iter_mut().zip(other.takes).for_each(|(a, b)| join(a, b));
         for (end, cut) in other.cut.into_iter().enumerate() {
@@ -165,6 +168,12 @@ impl OutsideCounts {
             self.receivers[why] += 1;
             join(&mut self.takes[why], place.takes());
         }
+        if standing == Standing::Counted && answer.truth == Truth::Lit {
+            let away = observer
+                .vertex_normals_at(receiver)
+                .is_some_and(|normals| normals.interpolated.dot(observer.to_light(receiver)) < 0.0);
+            self.lit = [self.lit[0] + 1, self.lit[1] + u64::from(away)];
+        }
         if is_outside || standing == Standing::Counted {
             self.add_occluder(observer, receiver, &lens.map, answer);
         }
@@ -180,7 +189,7 @@ impl OutsideCounts {
     ) {
         let Truth::Shadowed(occlusion) = &answer.truth else { return };
         let ray = observer.light_end(receiver.position) - receiver.position;
-        let hit = receiver.position + ray * (occlusion.first_gap / crate::view::length(ray));
+        let hit = receiver.position + ray * (occlusion.first_gap / f64::sqrt(ray.dot(ray)));
         let (distance, (near, far)) = (map.axial_distance(hit), map.projection.near_far());
         let slack = |plane: f64| SLACK * (plane.abs() + distance.abs());
         let end = match (distance < near - slack(near), distance > far + slack(far)) {

@@ -1,6 +1,7 @@
 //! Lengths on the receiver: the falsely lit strip through a sample and the period of acne stripes,
 //! walked along the surface and refined by bisection.
 
+use super::foot::Way;
 use super::observe::Observer;
 use crate::shadow;
 use crate::truth::{Receiver, Truth};
@@ -144,10 +145,13 @@ impl<'o, 'a> Walk<'o, 'a> {
     pub fn false_light_length(&self) -> Option<f64> {
         let falsely_lit = |s: State| s.subject_lit && !s.truly_lit;
         let receiver = Receiver { position: self.origin, triangle: self.triangle };
+        let light_end = self.observer.light_end(self.origin);
+        let touching = self.observer.tracer.truth(&receiver, light_end).touching > 0;
         let seen = |sign: f64| {
             let length = sign * self.end_of(sign, falsely_lit);
             let along = self.direction * sign;
-            self.observer.clearance(&receiver, along, self.texel_world(), length)
+            let way = Way { along, texel: self.texel_world(), touching };
+            self.observer.clearance(&receiver, &way, length)
         };
         self.state(0.0).is_some_and(falsely_lit).then(|| seen(1.0) + seen(-1.0))
     }

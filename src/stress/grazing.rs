@@ -91,6 +91,7 @@ fn smallest_offset(degrees: f64, cos: f64, sin: f64) -> f64 {
         let site = Site {
             position: DVec3::ZERO,
             normal,
+            normals: None,
             to_light: DVec3::Z,
             texel_world: TEXEL,
             window_per_world: 1.0 / sheet.range,

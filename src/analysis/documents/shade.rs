@@ -112,8 +112,11 @@ fn shade(observer: &Observer<'_>, o: &Observation) -> [u8; 3] {
     shaded.clamp(DVec3::ZERO, DVec3::ONE).to_array().map(|x| (x * 255.0).round_ties_even() as u8)
 }
 
-/// Unit surface normal turned to the camera.
+/// The unit normal that shades: interpolated from the vertices, else the face's turned to the camera.
 fn normal(observer: &Observer<'_>, o: &Observation) -> DVec3 {
+    if let Some(normals) = observer.vertex_normals_at(&o.receiver) {
+        return normals.shading;
+    }
     let normal = observer.geometry.area_normal(o.receiver.triangle);
     let to_camera = observer.case().camera.view.position - o.receiver.position;
     let unit = normal / length(normal);

@@ -53,7 +53,21 @@ impl OutsideCounts {
         measured: bool,
     ) -> Vec<String> {
         let left_out = if measured { self.left_out(observer) } else { Vec::new() };
-        first_lines(observer.case(), &left_out, self.seen, &self.lost_casters(observer))
+        let mut lines =
+            first_lines(observer.case(), &left_out, self.seen, &self.lost_casters(observer));
+        lines.extend(self.away());
+        lines
+    }
+
+    /// Lit receivers whose vertices' normals point away from the light, in one sentence.
+    fn away(&self) -> Option<String> {
+        let [lit, away] = self.lit;
+        let share = percent(away as f64 / lit.max(1) as f64, 3);
+        (away > 0).then(|| {
+            format!(
+                "The vertex normals of {away} of {lit} lit receivers ({share}) point away from the light: a bias along them, such as three.js' normalBias, moves these into their own shadow."
+            )
+        })
     }
 }
 

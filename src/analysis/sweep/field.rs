@@ -5,6 +5,7 @@ use super::receivers::Receivers;
 pub use super::receivers::Sample;
 use crate::analysis::classify::StoredCaster;
 use crate::analysis::effort::Effort;
+use crate::analysis::foot::Way;
 use crate::analysis::observe::{Looking, Observer, Standing};
 use crate::analysis::outside::OutsideCounts;
 use crate::light::{Layout, Lens, Lookup};
@@ -185,6 +186,7 @@ impl<'a> Field<'a> {
         Site {
             position,
             normal: sample.normal,
+            normals: self.observer.vertex_normals_at(&sample.receiver),
             to_light: self.case().light.direction_from(position),
             texel_world: map.texel_world(map_size[0], z),
             window_per_world: map.depth_per_world(z),
@@ -311,18 +313,17 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
         return 0.0;
     }
     let step = STEP * observer.lenses[sample.map].scales(p)[0];
-    let reach = f64::from(STEPS) * step;
-    let seen = observer.clearance(&sample.receiver, along / size, step / STEP, reach);
-    let last = (seen / step).ceil() as u32;
+    let way = Way { along: along / size, texel: step / STEP, touching: sample.answer.touching > 0 };
+    let seen = |reach: f64| observer.clearance(&sample.receiver, &way, reach);
     let receiver =
         |s: f64| Receiver { position: p + along * (s / size), triangle: sample.receiver.triangle };
     let mut blocker = sample.receiver.triangle;
     let mut at = 0;
     while observer.is_shadowed(&receiver(f64::from(at + 1) * step), &mut blocker) {
         let blocks = |i: u32| observer.is_blocked_by(&receiver(f64::from(i) * step), blocker);
-        at = last_blocked(at + 1, last, blocks);
-        if at >= last {
-            return seen;
+        at = last_blocked(at + 1, blocks);
+        if at == STEPS {
+            return seen(f64::from(STEPS) * step);
         }
     }
     let (mut dark, mut lit) = (f64::from(at) * step, f64::from(at + 1) * step);
@@ -331,20 +332,20 @@ fn inside(observer: &Observer<'_>, sample: &Sample) -> f64 {
         let shadowed = observer.is_shadowed(&receiver(middle), &mut blocker);
         if shadowed { dark = middle } else { lit = middle }
     }
-    dark.min(seen)
+    seen(dark)
 }
 
-/// The last step up to a given one that one triangle blocks, from a step that it blocks: its shadow on a
+/// The last step up to [`STEPS`] that one triangle blocks, from a step that it blocks: its shadow on a
 /// plane is convex, so that it blocks every step between two that it blocks.
-fn last_blocked(from: u32, last: u32, blocks: impl Fn(u32) -> bool) -> u32 {
+fn last_blocked(from: u32, blocks: impl Fn(u32) -> bool) -> u32 {
     let (mut at, mut stride) = (from, 1);
-    while at + stride <= last && blocks(at + stride) {
+    while at + stride <= STEPS && blocks(at + stride) {
         at += stride;
         stride *= 2;
     }
     while stride > 1 {
         stride /= 2;
-        if at + stride <= last && blocks(at + stride) {
+        if at + stride <= STEPS && blocks(at + stride) {
             at += stride;
         }
     }

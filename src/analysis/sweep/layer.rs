@@ -12,9 +12,10 @@ impl Field<'_> {
     pub(super) fn layer_gain(&self, sample: &Sample, recipe: &Recipe) -> f64 {
         let Truth::Shadowed(occlusion) = &sample.answer.truth else { return 0.0 };
         let first = sample.exact.z - sample.gap;
+        // Where nothing is between, the receiver's own surface is the second one.
         let behind = || {
             let second = self.depth_behind(sample, occlusion.first, occlusion.first_gap);
-            second.unwrap_or(sample.exact.z) - first
+            second.map(|z| z - first)
         };
         match recipe.layers {
             Layers::Nearest => 0.0,
@@ -22,9 +23,12 @@ impl Field<'_> {
                 let ends = self.ray(sample);
                 self.hit(sample, ends, Faces::Back, None).map_or(f64::INFINITY, |z| z - first)
             }
-            Layers::Second => behind(),
-            Layers::Midpoint => behind() * 0.5,
-            Layers::Dual => f64::min(behind() * 0.5, f64::from(recipe.layer_offset)),
+            Layers::Second => behind().unwrap_or(f64::INFINITY),
+            Layers::Midpoint => behind().unwrap_or(sample.gap) * 0.5,
+            Layers::Dual => {
+                let half = behind().unwrap_or(sample.gap) * 0.5;
+                half.min(f64::from(recipe.layer_offset))
+            }
         }
     }
 

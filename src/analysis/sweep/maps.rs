@@ -168,6 +168,7 @@ impl Chart<'_, '_> {
                 let site = Site {
                     position: p,
                     normal,
+                    normals: None,
                     to_light: light.direction_from(p),
                     texel_world: lens.map.texel_world(rect.size[0], distance),
                     window_per_world: 0.0,
@@ -187,7 +188,8 @@ impl Chart<'_, '_> {
     }
 }
 
-/// Unit vertex normals: the triangles' area normals summed over each vertex, zero where there are none.
+/// Unit vertex normals: the meshes' own, else the triangles' area normals summed over each vertex, zero where
+/// there are none.
 fn vertex_normals(field: &Field<'_>) -> Vec<DVec3> {
     let geometry = &field.observer.geometry;
     let mut normals = vec![DVec3::ZERO; geometry.positions.len()];
@@ -199,5 +201,7 @@ fn vertex_normals(field: &Field<'_>) -> Vec<DVec3> {
         let size = crate::view::length(n);
         if size > 0.0 { n / size } else { n }
     };
-    normals.into_iter().map(unit).collect()
+    let own = field.observer.vertex_normals.as_ref();
+    let given = |v: usize| own.map(|own| own[v]).filter(|n| *n != DVec3::ZERO);
+    normals.into_iter().enumerate().map(|(v, n)| given(v).unwrap_or_else(|| unit(n))).collect()
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU8;
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// Everything that a move of receivers depends on, as bits.
-type Key = (u64, u8, bool, bool, u64, u32);
+type Key = (u64, u8, u8, bool, bool, u64, u32);
 
 /// The moves of a field so far.
 #[derive(Debug, Default)]
@@ -28,6 +28,7 @@ impl Moves {
         let key = (
             normal.amount.to_bits(),
             normal.weight as u8,
+            normal.along as u8,
             normal.in_texels,
             normal.sideways,
             recipe.light.to_bits(),

@@ -15,7 +15,7 @@ use crate::engines::withdrawn::Withdrawal;
 use crate::engines::{Engine, Knob, Place, Setting};
 use crate::scene::TexelFormat;
 use crate::shadow::bias::slope::receiver_slope;
-use crate::shadow::bias::{NormalMove, Recipe, Strategy};
+use crate::shadow::bias::{MoveNormal, NormalMove, Recipe, Strategy};
 pub use cheapest::Configuration;
 use cheapest::cheapest;
 pub use report::{Request, report};
@@ -128,6 +128,28 @@ pub fn place_at(field: &Field<'_>, sample: &Sample, size: u32, format: TexelForm
     }
 }
 
+/// Cosine of the largest angle between face and vertices' normals at which a move along one stands for a move
+/// along the other: 1°.
+const FLAT: f64 = 0.999_847_695;
+
+/// Whether the normal of the vertices at the middle receiver is another than its face's.
+fn is_curved(field: &Field<'_>) -> bool {
+    field.middle().is_some_and(|sample| {
+        let normals = field.observer.vertex_normals_at(&sample.receiver);
+        normals.is_some_and(|normals| {
+            let turned = [normals.interpolated, normals.shading];
+            turned.into_iter().any(|normal| normal.dot(sample.normal) < FLAT)
+        })
+    })
+}
+
+/// Whether a strategy moves receivers or casters along normals of vertices.
+fn moves_along_vertices(strategy: Strategy) -> bool {
+    let recipe = strategy.with(1.0);
+    let along = |normal: NormalMove| normal.amount != 0.0 && normal.along != MoveNormal::Face;
+    along(recipe.normal) || along(recipe.caster_normal)
+}
+
 /// The measured setting of an engine's defaults: casters' and receivers' hooks together.
 fn defaults(chart: &Chart<'_, '_>, format: TexelFormat, engine: Engine) -> Tally {
     let recipe = engine.defaults();
@@ -172,6 +194,8 @@ pub struct Tuning {
     pub window: Option<f64>,
     /// Where units are converted: the middle receiver; `None` where nothing is measured.
     pub place: Option<Place>,
+    /// Whether the vertices' normals are not the face's there: moves along them have no other unit then.
+    pub is_curved: bool,
     /// What a line's validity depends on.
     pub setting: Setting,
     /// The cheapest map with which the scene meets the target; `None` where no smaller one does.
@@ -230,7 +254,9 @@ impl Tuning {
         });
         let place = place(chart.field, chart.size, format);
         let best = tuned.iter().find(|t| t.value().is_some());
-        let window = best.zip(place.as_ref()).and_then(|(t, place)| {
+        let is_curved = is_curved(chart.field);
+        let converts = |t: &&Tuned| !(is_curved && moves_along_vertices(t.knob.strategy));
+        let window = best.filter(converts).zip(place.as_ref()).and_then(|(t, place)| {
             let amount = f64::from(t.swept.acne_free?.amount);
             place.window(t.knob.strategy, amount).filter(|depth| depth.abs() <= 1.0)
         });
@@ -245,6 +271,7 @@ impl Tuning {
             constant,
             window,
             place,
+            is_curved,
             setting,
             cheapest,
             budget,

@@ -1,7 +1,7 @@
 //! The report of a tuned scene: the lines to paste, what each setting leaves wrong, and other units.
 
 use super::tables::{artifacts, units};
-use super::{Found, Tuned, Tuning, tune};
+use super::{Found, Tuned, Tuning, moves_along_vertices, tune};
 use crate::analysis::measure::unmeasured;
 use crate::analysis::sweep::Field;
 use crate::analysis::sweep::tally::Tally;
@@ -75,11 +75,16 @@ impl Tuning {
         }
         let bias = self.window.filter(|bias| *bias != 0.0);
         if let (Some(bias), Some(place)) = (bias, &self.place) {
-            let (table, left_out) = units(place, bias, &self.setting);
+            let converts = |strategy| !(self.is_curved && moves_along_vertices(strategy));
+            let (table, left_out) = units(place, bias, &self.setting, converts);
             section.push(table);
             if !left_out.is_empty() {
+                let curved = match self.is_curved {
+                    true => ", go along the vertices' normals, which are not the face's there,",
+                    false => "",
+                };
                 section.push(format!(
-                    "Left out, since they are known to be wrong here or beyond what the engine keeps: {}.",
+                    "Left out, since they are known to be wrong here{curved} or beyond what the engine keeps: {}.",
                     left_out.join(", ")
                 ));
             }

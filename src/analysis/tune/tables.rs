@@ -4,6 +4,7 @@ use crate::analysis::measurement::share;
 use crate::analysis::sweep::tally::{Kind, Tally};
 use crate::engines::{Engine, Place, Setting};
 use crate::report::{Cell, Table};
+use crate::shadow::bias::Strategy;
 
 fn shares(tally: &Tally, populations: [u64; 2]) -> Vec<Cell> {
     let of = |kind: Kind| {
@@ -32,8 +33,13 @@ pub(super) fn artifacts(rows: &[(String, Tally)], populations: [u64; 2]) -> Tabl
 }
 
 /// One bias in every unit and engine at the middle receiver, and the parameters that are left out,
-/// since they are known to be wrong here or their engine does not keep such a value.
-pub(super) fn units(place: &Place, bias: f64, setting: &Setting) -> (Table, Vec<String>) {
+/// since they are known to be wrong here, do not convert or their engine does not keep such a value.
+pub(super) fn units(
+    place: &Place,
+    bias: f64,
+    setting: &Setting,
+    converts: impl Fn(Strategy) -> bool,
+) -> (Table, Vec<String>) {
     let mut table = Table::new("units", "The same lift at the middle receiver in other units; a normal offset is worth it there only.")
         .column("unit", "", "")
         .column("value", "", "");
@@ -49,7 +55,8 @@ pub(super) fn units(place: &Place, bias: f64, setting: &Setting) -> (Table, Vec<
         for knob in engine.knobs() {
             let Some(amount) = place.amount(knob.strategy, bias) else { continue };
             let (name, value) = (format!("{engine} {}", knob.name), knob.value(amount));
-            if knob.withdrawn(setting).is_none() && knob.accepts(value) {
+            let fits = knob.accepts(value) && converts(knob.strategy);
+            if knob.withdrawn(setting).is_none() && fits {
                 push(name, value);
             } else {
                 left_out.push(name);

@@ -12,7 +12,7 @@ crate::catalogue! {
         Wrong = "wrong",
         /// Σ|v − t|, v the visibility and t the truth (0 or 1).
         Mean = "mean",
-        /// Σ max(N·L, 0)·|v − t| / Σ max(N·L, 0), N the unit normal of the side seen, L towards the light:
+        /// Σ max(N·L, 0)·|v − t| / Σ max(N·L, 0), N the unit normal that shades the side seen, L towards the light:
         /// what a white surface shows that only this light lights.
         Seen = "seen",
     }

@@ -227,6 +227,15 @@ fn fault(object: &Object) -> Option<(String, String, &'static str)> {
         let reason = format!("{} is not finite in the world", mesh.positions[v]);
         return Some((format!("vertex {v}"), reason, "give finite positions"));
     }
+    let normals = mesh.normals.len();
+    if normals > 0 && normals != mesh.positions.len() {
+        let reason = format!("{normals} for {} vertices", mesh.positions.len());
+        return Some(("normals".into(), reason, "give one for each vertex, or none"));
+    }
+    if let Some(v) = mesh.normals.iter().position(|n| !n.is_finite()) {
+        let reason = format!("{} is not finite", mesh.normals[v]);
+        return Some((format!("normal {v}"), reason, "give finite normals"));
+    }
     let count = mesh.positions.len() as u64;
     let beyond = |t: &[u32; 3]| t.iter().any(|&v| u64::from(v) >= count);
     let t = mesh.triangles.iter().position(beyond)?;

@@ -7,6 +7,7 @@ pub mod chain;
 mod disk;
 pub mod filter;
 pub mod matrix;
+mod normals;
 pub mod pipeline;
 pub mod shapes;
 mod surface;

@@ -18,7 +18,7 @@ pub use constant::Weights;
 pub use family::Family;
 use glam::{DVec2, DVec3};
 pub use layers::Layers;
-pub use normal::{NormalMove, NormalWeight};
+pub use normal::{MoveNormal, NormalMove, NormalWeight, SurfaceNormals};
 pub use plane::Follow;
 pub use rule::{BiasRule, Rule};
 pub use slope::PolygonOffset;
@@ -30,8 +30,10 @@ pub use unit::Unit;
 pub struct Site {
     /// World position.
     pub position: DVec3,
-    /// Unit normal on the side that is seen.
+    /// Unit normal of the face on the side that the light reaches.
     pub normal: DVec3,
+    /// Normals of the vertices there; `None` where a mesh has none and the face's stands for them.
+    pub normals: Option<SurfaceNormals>,
     /// Unit vector towards the light.
     pub to_light: DVec3,
     /// Edge of a texel there.

@@ -46,9 +46,11 @@ impl fmt::Debug for Rule {
     }
 }
 
-/// N·L of a place, at least 0, rounded to f32.
+/// N·L of a place, at least 0, rounded to f32; N the interpolated normal of the vertices, as the tutorials'
+/// shaders have it.
 fn cosine(site: &Site) -> f32 {
-    site.normal.dot(site.to_light).clamp(0.0, 1.0) as f32
+    let normal = site.normals.map_or(site.normal, |normals| normals.interpolated);
+    normal.dot(site.to_light).clamp(0.0, 1.0) as f32
 }
 
 /// max(a·(1 − N·L), 0.005).

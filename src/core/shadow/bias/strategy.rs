@@ -3,13 +3,16 @@
 //! To add one, add its row. Its [`Family`], its cost, its units in engines and its place in sweeps follow
 //! from the recipe.
 
+use super::MoveNormal::{Face, Interpolated, Shading, Vertices};
 use super::NormalWeight::{Blender, One, OneMinusCos, Sin};
 use super::Unit::{
     ClipDepth, FormatSteps, HalfTexels, Nothing, OwnMultiples, QuarterTexels, Slopes,
     TenthsOfASlope, TexelDiagonals, Texels, UnitsR, WindowDepth, WorldUnits,
 };
 use super::rule::{self, BiasRule, Rule};
-use super::{Family, Follow, Layers, NormalMove, NormalWeight, PolygonOffset, Recipe, Unit};
+use super::{
+    Family, Follow, Layers, MoveNormal, NormalMove, NormalWeight, PolygonOffset, Recipe, Unit,
+};
 use std::f64::consts::SQRT_2;
 
 /// r.Shadow.CSMSlopeScaleDepthBias 3 times a Shadow Slope Bias of 0.5 (Unreal Engine 5,
@@ -28,12 +31,12 @@ const fn row(unit: Unit, recipe: fn(f64) -> Recipe) -> Row {
 
 const NONE: Recipe = Recipe::NONE;
 
-const fn world(amount: f64, weight: NormalWeight) -> NormalMove {
-    NormalMove { amount, weight, in_texels: false, sideways: false }
+const fn world(amount: f64, weight: NormalWeight, along: MoveNormal) -> NormalMove {
+    NormalMove { amount, weight, in_texels: false, sideways: false, along }
 }
 
-const fn texels(amount: f64, weight: NormalWeight) -> NormalMove {
-    NormalMove { in_texels: true, ..world(amount, weight) }
+const fn texels(amount: f64, weight: NormalWeight, along: MoveNormal) -> NormalMove {
+    NormalMove { in_texels: true, ..world(amount, weight, along) }
 }
 
 const fn receiver(normal: NormalMove) -> Recipe {
@@ -84,30 +87,34 @@ crate::catalogue! {
         /// keeps acne where h·s·|g|₁ > 0.01 window depth.
         ReceiverSlope = "receiver-slope" =>
             row(Slopes, |a| Recipe { slope: a as f32, slope_clamp: 0.01, ..NONE }),
-        /// Receiver at p + a·N, a in world units (three.js normalBias).
-        NormalOffset = "normal-offset" => row(WorldUnits, |a| receiver(world(a, One))),
+        /// Receiver at p + a·N, a in world units, N the vertices' own, one offset a vertex, interpolated and
+        /// never turned to the side seen (three.js normalBias, shadowmap_vertex.glsl; a geometry without
+        /// normals has its faces' here, as `flatShading` draws it: three.js itself has none to go by).
+        NormalOffset = "normal-offset" => row(WorldUnits, |a| receiver(world(a, One, Vertices))),
         /// Receiver at p + a·√2·s·N (Bevy shadow_normal_bias).
-        NormalBevy = "normal-bevy" => row(TexelDiagonals, |a| receiver(texels(a * SQRT_2, One))),
+        NormalBevy = "normal-bevy" => row(TexelDiagonals, |a| receiver(texels(a * SQRT_2, One, Shading))),
         /// Receiver at p + (a/2)·s·sin θ·N (Filament normalBias).
-        NormalFilament = "normal-filament" => row(HalfTexels, |a| receiver(texels(a / 2.0, Sin))),
+        NormalFilament = "normal-filament" => row(HalfTexels, |a| receiver(texels(a / 2.0, Sin, Shading))),
         /// Receiver at p + a·s·(1 − N·L)·N less its component along L (Godot normal_bias).
         NormalGodot = "normal-godot" =>
-            row(Texels, |a| receiver(NormalMove { sideways: true, ..texels(a, OneMinusCos) })),
+            row(Texels, |a| receiver(NormalMove {
+                sideways: true, ..texels(a, OneMinusCos, Interpolated)
+            })),
         /// Receiver at p + a·s·N (HDRP normalBias).
-        NormalHdrp = "normal-hdrp" => row(Texels, |a| receiver(texels(a, One))),
+        NormalHdrp = "normal-hdrp" => row(Texels, |a| receiver(texels(a, One, Shading))),
         /// Receiver at p + a·√2·s·(sin θ/cos 0.534 + 0.195)·N (Blender EEVEE Next, a = 1).
         NormalBlender = "normal-blender" =>
-            row(OwnMultiples, |a| receiver(texels(a * SQRT_2, Blender))),
+            row(OwnMultiples, |a| receiver(texels(a * SQRT_2, Blender, Face))),
         /// Receiver at p + a·(1 − N·L)·N, a in world units (Cesium normalOffsetScale).
-        NormalCesium = "normal-cesium" => row(WorldUnits, |a| receiver(world(a, OneMinusCos))),
+        NormalCesium = "normal-cesium" => row(WorldUnits, |a| receiver(world(a, OneMinusCos, Shading))),
         /// Receiver at p + a·L, a in world units (Bevy shadow_depth_bias).
         LightOffset = "light-offset" => row(WorldUnits, |a| Recipe { light: a, ..NONE }),
         /// Casters at p − a·s·sin θ·N (Unity built-in normal bias).
-        CasterUnity = "caster-unity" => row(Texels, |a| caster(texels(a, Sin))),
+        CasterUnity = "caster-unity" => row(Texels, |a| caster(texels(a, Sin, Vertices))),
         /// Casters at p − a·s·(1 − N·L)·N (URP normal bias).
-        CasterUrp = "caster-urp" => row(Texels, |a| caster(texels(a, OneMinusCos))),
+        CasterUrp = "caster-urp" => row(Texels, |a| caster(texels(a, OneMinusCos, Vertices))),
         /// Casters at p − a·sin θ·N, a in world units (Babylon normalBias).
-        CasterBabylon = "caster-babylon" => row(WorldUnits, |a| caster(world(a, Sin))),
+        CasterBabylon = "caster-babylon" => row(WorldUnits, |a| caster(world(a, Sin, Vertices))),
         /// Casters at p − a·s·L (URP depth bias).
         CasterLight = "caster-light" => row(Texels, |a| Recipe { caster_light_texels: a, ..NONE }),
         /// Casters at p − (a/4)·s·(1 + 1.5·min(tan θ, 1))·L (Unreal CSM depth bias under a Shadow Bias
