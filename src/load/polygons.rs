@@ -2,7 +2,7 @@
 
 use super::strips;
 use earcut::Earcut;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use gnomon_core::{Error, Result};
 
 /// Corners of the largest face that is cut ear by ear, which takes the square of their number at worst.
@@ -27,21 +27,21 @@ impl Cutter {
         Self { ears: Earcut::new(), outline: Vec::new(), cut: Vec::new(), work: 0, odd: 0 }
     }
 
-    /// Adds the triangles of a face of three corners or more to `triangles`. Faces that are convex as
-    /// seen along their normal are fans around their first corner, as other readers draw them. A
-    /// corner that is not there is left to the check of indices.
+    /// Adds the triangles of a face of three corners or more, which stand `at` places, to `triangles`.
+    /// Faces that are convex as seen along their normal are fans around their first corner, as other
+    /// readers draw them. A corner that is not there is left to the check of indices.
     pub(super) fn face(
         &mut self,
         place: impl Fn() -> String,
         face: &[u32],
-        positions: &[Vec3],
+        at: impl Fn(u32) -> Option<DVec3>,
         triangles: &mut Vec<u32>,
     ) -> Result<()> {
         if let &[a, b, c] = face {
             triangles.extend([a, b, c]);
             return Ok(());
         }
-        if self.flatten(face, positions).is_none() || is_convex(&self.outline) {
+        if self.flatten(face, at).is_none() || is_convex(&self.outline) {
             triangles.extend(strips::fan(face));
             return Ok(());
         }
@@ -58,12 +58,11 @@ impl Cutter {
     }
 
     /// The face as seen along its normal (Newell's, from all edges); `None` without area.
-    fn flatten(&mut self, face: &[u32], positions: &[Vec3]) -> Option<()> {
+    fn flatten(&mut self, face: &[u32], at: impl Fn(u32) -> Option<DVec3>) -> Option<()> {
         self.outline.clear();
-        let at = |i: &u32| positions.get(*i as usize).map(|p| p.as_dvec3());
-        let first = at(face.first()?)?;
-        let (mut normal, mut before) = (DVec3::ZERO, at(face.last()?)? - first);
-        for corner in face {
+        let first = at(*face.first()?)?;
+        let (mut normal, mut before) = (DVec3::ZERO, at(*face.last()?)? - first);
+        for &corner in face {
             let corner = at(corner)? - first;
             normal += before.cross(corner);
             before = corner;
@@ -76,7 +75,7 @@ impl Cutter {
             _ => (DVec3::X, DVec3::Y, normal.z),
         };
         let flat = |p: DVec3| [p.dot(u) * sign.signum(), p.dot(v)];
-        self.outline.extend(face.iter().filter_map(|i| Some(flat(at(i)? - first))));
+        self.outline.extend(face.iter().filter_map(|&i| Some(flat(at(i)? - first))));
         Some(())
     }
 
@@ -119,12 +118,16 @@ mod tests {
     use super::*;
 
     fn cut(corners: &[[f32; 2]]) -> (Vec<u32>, f64, usize) {
-        let positions: Vec<Vec3> =
-            corners.iter().map(|[x, y]| Vec3::new(*x, *y, 0.5 * x)).collect();
+        let positions: Vec<DVec3> = corners
+            .iter()
+            .map(|&[x, y]| DVec3::new(x.into(), y.into(), (0.5 * x).into()))
+            .collect();
         let face: Vec<u32> = (0..positions.len() as u32).collect();
         let (mut cutter, mut triangles) = (Cutter::new(), Vec::new());
-        cutter.face(|| "here".into(), &face, &positions, &mut triangles).expect("a cut");
-        let corner = |i: u32| positions[i as usize].truncate().as_dvec2();
+        cutter
+            .face(|| "here".into(), &face, |i| positions.get(i as usize).copied(), &mut triangles)
+            .expect("a cut");
+        let corner = |i: u32| positions[i as usize].truncate();
         let area = |t: &[u32]| {
             let [a, b, c] = [t[0], t[1], t[2]].map(corner);
             (b - a).perp_dot(c - a) / 2.0
