@@ -9,6 +9,8 @@ use gnomon_core::{Error, Result};
 const LARGEST_CONCAVE: usize = 1 << 14;
 /// Corners² of all such faces together.
 const LARGEST_WORK: u64 = 1 << 32;
+/// A face is bent where a corner lies off its plane by more than this share of its size.
+const BENT: f64 = 1e-4;
 /// A face that is cut into another area than its outline encloses, by this share, is not simple.
 const OFF: f64 = 1e-6;
 
@@ -18,13 +20,22 @@ pub(super) struct Cutter {
     outline: Vec<[f64; 2]>,
     cut: Vec<u32>,
     work: u64,
+    /// Whether the face at hand is bent.
+    bent: bool,
     /// Faces whose outline crosses itself or has no area, and which are as the library cuts them.
     odd: usize,
 }
 
 impl Cutter {
     pub(super) fn new() -> Self {
-        Self { ears: Earcut::new(), outline: Vec::new(), cut: Vec::new(), work: 0, odd: 0 }
+        Self {
+            ears: Earcut::new(),
+            outline: Vec::new(),
+            cut: Vec::new(),
+            work: 0,
+            bent: false,
+            odd: 0,
+        }
     }
 
     /// Adds the triangles of a face of three corners or more, which stand `at` places, to `triangles`.
@@ -52,7 +63,13 @@ impl Cutter {
         }
         self.ears.earcut_slice(&self.outline, &[], &mut self.cut);
         let off = earcut::deviation(self.outline.iter().copied(), &[], &self.cut);
-        self.odd += usize::from(!(off <= OFF));
+        // Corners on a line as seen along the normal are left out, but those of a bent face are not on one.
+        let torn = self.bent && self.cut.len() < 3 * (face.len() - 2);
+        self.odd += usize::from(torn || !(off <= OFF));
+        if torn {
+            triangles.extend(strips::fan(face));
+            return Ok(());
+        }
         triangles.extend(self.cut.iter().filter_map(|&i| face.get(i as usize)));
         Ok(())
     }
@@ -74,6 +91,11 @@ impl Cutter {
             largest if largest == along.y => (DVec3::Z, DVec3::X, normal.y),
             _ => (DVec3::X, DVec3::Y, normal.z),
         };
+        let away = |p: DVec3| (p.dot(normal) / normal.length(), p.abs().max_element());
+        let corners = face.iter().filter_map(|&i| Some(away(at(i)? - first)));
+        let (off, size) =
+            corners.fold((0.0f64, 0.0f64), |(off, size), (d, s)| (off.max(d.abs()), size.max(s)));
+        self.bent = off > BENT * size;
         let flat = |p: DVec3| [p.dot(u) * sign.signum(), p.dot(v)];
         self.outline.extend(face.iter().filter_map(|&i| Some(flat(at(i)? - first))));
         Some(())
@@ -151,6 +173,23 @@ mod tests {
         assert_eq!((cut(&l).1, cut(&l).2), (7.0, 0));
         let on_the_edge = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         assert_eq!(cut(&on_the_edge).0.len(), 9, "a corner on an edge is no concave one");
+    }
+
+    #[test]
+    fn a_bent_face_loses_no_corner() {
+        // Seen from above, the last corner lies on the edge before it.
+        let corners = [
+            [-5.0, 0.0, 5.0],
+            [5.0, 0.0, 5.0],
+            [5.0, 0.0, -5.0],
+            [-5.0, 0.0, -5.0],
+            [0.0, 5.0, -5.0],
+        ];
+        let corners = corners.map(DVec3::from_array);
+        let (mut cutter, mut triangles) = (Cutter::new(), Vec::new());
+        let at = |i: u32| corners.get(i as usize).copied();
+        cutter.face(|| "here".into(), &[0, 1, 2, 3, 4], at, &mut triangles).expect("a cut");
+        assert_eq!((triangles.len(), cutter.odd), (9, 1));
     }
 
     #[test]
