@@ -1,10 +1,12 @@
 //! A user's scene on the command line: the file, its settings and the flags that stand above them.
 
+use crate::error::printable_lines;
 use crate::load::config::Settings;
-use crate::load::{self, Limits, LoadedScene, fit};
+use crate::load::{self, Blend, Limits, LoadedScene, Summary, Wanted, fit};
 use crate::scene::Case;
 use crate::{Error, Result, input, memory};
 use std::fs;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Reads a scene file and the files that it names, which lie in its own folder, links resolved.
@@ -48,12 +50,27 @@ fn settings_of(path: &Path) -> Result<Settings> {
 /// A scene file and its light on the command line; flatten it into a binary's arguments.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct SceneFile {
-    /// A scene file of your own (.gltf, .glb, .obj, .ply); settings from the .toml beside it, if there is one
+    /// A scene file of your own (.gltf, .glb, .obj, .ply, .stl); settings from the .toml beside it, if there is one
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Leave damaged triangles and nodes of the scene out, and count them in the report
     #[arg(long, requires = "scene")]
     pub lenient: bool,
+    /// Say what the scene holds and how it would be measured, and do nothing else
+    #[arg(long, requires = "scene")]
+    pub dry_run: bool,
+    /// Name or number of the scene in the file [default: the file's own]
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub scene_name: Option<String>,
+    /// Pose the scene this many seconds into its animation [default: at rest]
+    #[arg(long, value_name = "SECONDS", requires = "scene", allow_hyphen_values = true, value_parser = seconds)]
+    pub time: Option<f64>,
+    /// Name or number of the animation [default: the first]
+    #[arg(long, value_name = "NAME", requires = "time")]
+    pub animation: Option<String>,
+    /// How surfaces with blended alpha throw shadows: opaque (as three.js), cutout, none [default: opaque]
+    #[arg(long, value_name = "HOW", requires = "scene")]
+    pub blend: Option<Blend>,
     /// Settings from this TOML file instead
     #[arg(long, value_name = "FILE", requires = "scene")]
     pub config: Option<PathBuf>,
@@ -90,6 +107,11 @@ fn vector(text: &str) -> std::result::Result<[f64; 3], String> {
         .ok_or_else(|| format!("'{text}' is no vector; give three numbers such as 1,-2,0.5"))
 }
 
+fn seconds(text: &str) -> std::result::Result<f64, String> {
+    let time = text.parse().ok().filter(|time: &f64| time.is_finite());
+    time.ok_or_else(|| format!("'{text}' is no time; give seconds such as 0.5"))
+}
+
 impl SceneFile {
     /// The case of the scene file, if one is given: flags stand above the TOML, the TOML above the
     /// scene file, and what nobody says is fitted to the geometry.
@@ -114,9 +136,33 @@ impl SceneFile {
         change(&mut settings);
         let name = path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned());
         let memory = memory::budget();
-        let limits = Limits { lenient: self.lenient, memory, ..Limits::default() };
-        fit::case(&name, load(path, &limits)?, &settings).map(Some)
+        let wanted = Wanted {
+            scene: self.scene_name.clone(),
+            time: self.time,
+            animation: self.animation.clone(),
+            blend: self.blend.unwrap_or(Blend::Opaque),
+        };
+        let limits = Limits { lenient: self.lenient, memory, wanted, ..Limits::default() };
+        let mut scene = load(path, &limits)?;
+        let summary = scene.summary();
+        let file = path.file_name().map_or_else(|| name.clone(), |f| f.to_string_lossy().into());
+        scene.notes.insert(0, summary.line(&file));
+        let case = fit::case(&name, scene, &settings)?;
+        if self.dry_run {
+            show(&summary, &case);
+        }
+        Ok(Some(case))
     }
+}
+
+/// Prints what a scene holds and how it would be measured, and ends the program, as `--help` does.
+fn show(summary: &Summary, case: &Case) -> ! {
+    let fitted = case.assumptions.iter().skip(1).map(|what| format!("note        {what}"));
+    let lines: Vec<String> = summary.lines().into_iter().chain(fitted).collect();
+    let text = format!("{}\n", printable_lines(&lines.join("\n")));
+    // A closed pipe is no fault of the scene.
+    let _ = io::stdout().write_all(text.as_bytes());
+    std::process::exit(0)
 }
 
 impl UserScene {

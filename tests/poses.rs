@@ -349,3 +349,28 @@ fn a_node_stands_where_its_digits_say() {
     let Value::Array(_) = gltf.json["nodes"][0]["translation"] else { panic!("three numbers") };
     assert_eq!(sound(&gltf).parts[0].model.w_axis.truncate().to_array(), far);
 }
+
+#[test]
+fn a_summary_counts_instances_once_and_tells_the_rest() {
+    let mut gltf = skinned();
+    gltf.json["nodes"].as_array_mut().unwrap().extend([
+        json!({ "mesh": 1 }),
+        json!({ "mesh": 1,
+        "translation": [4, 0, 0] }),
+    ]);
+    gltf.json["meshes"].as_array_mut().unwrap().push(json!({ "primitives":
+        [{ "attributes": { "POSITION": 0 }, "mode": 5 }] }));
+    gltf.json["scenes"][0]["nodes"] = json!([0, 1, 3, 4]);
+    let summary = sound(&gltf).summary();
+    assert_eq!((summary.objects, summary.meshes), (3, 2));
+    assert_eq!((summary.triangles, summary.distinct_triangles, summary.vertices), (6, 4, 8));
+    assert_eq!(summary.bounds, [[0.0, 1.0, 0.0], [5.0, 7.0, 1.0]]);
+    assert_eq!((summary.file.skinned, summary.sides, summary.masked), (1, [3, 0, 0], 0));
+    let line = summary.line("a.gltf");
+    assert_eq!(line, "a.gltf: 3 objects, 6 triangles, 5 x 6 x 1 metres, 0 lights and 0 cameras");
+    let lines = summary.lines().join("\n");
+    for word in ["3 objects of 2 meshes", "(0, 1, 0) to (5, 7, 1)", "1 skinned", "3 front"] {
+        assert!(lines.contains(word), "{lines}");
+    }
+    assert!(serde_json::to_string(&summary).unwrap().contains("\"triangles\":6"));
+}

@@ -1,5 +1,5 @@
-//! Scene files: glTF 2.0 (`.gltf`, `.glb`), Wavefront OBJ and PLY, read under limits and refused in one
-//! sentence.
+//! Scene files: glTF 2.0 (`.gltf`, `.glb`), Wavefront OBJ, PLY and STL, read under limits and refused in
+//! one sentence; other formats are named, with how to convert them.
 //!
 //! What changes a shadow is read: geometry with its normals in the pose that the file or a time gives,
 //! sides and alpha masks of materials, every light and camera; nothing else of materials. Files named
@@ -11,23 +11,29 @@
 pub mod config;
 mod files;
 pub mod fit;
+mod format;
 mod gltf;
+mod mtl;
 mod obj_file;
 mod picture;
 mod ply_file;
 mod polygons;
 pub mod range;
 mod repair;
+mod stl_file;
 mod strips;
+pub mod summary;
 mod told;
 
 use files::Budget;
 pub use files::{Beside, Blend, Limits, Wanted};
+use format::Format;
 use glam::{DMat4, DVec3};
 use gnomon_core::scene::{Mesh, Surface};
 use gnomon_core::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
+pub use summary::{FileFacts, Summary};
 
 /// What a scene file holds.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +49,8 @@ pub struct LoadedScene {
     pub skipped: Vec<String>,
     /// What else is worth knowing of the file, each as a sentence.
     pub notes: Vec<String>,
+    /// What the file says of itself.
+    pub file: FileFacts,
 }
 
 /// A mesh where it stands.
@@ -108,6 +116,17 @@ pub enum LoadedLens {
     },
 }
 
+impl LoadedLens {
+    /// What it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Perspective { .. } => "perspective",
+            Self::Orthographic { .. } => "orthographic",
+        }
+    }
+}
+
 /// A camera as the file gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedCamera {
@@ -123,8 +142,8 @@ pub struct LoadedCamera {
     pub lens: LoadedLens,
 }
 
-/// Reads the bytes of a scene file by the extension of its path; the files that it names come from
-/// `beside`.
+/// Reads the bytes of a scene file, known by its content, then by the extension of its path; the files
+/// that it names come from `beside`.
 ///
 /// # Errors
 /// [`Error::BadInput`] in one sentence: file, place, reason, what to do; whatever `beside` answers.
@@ -136,19 +155,14 @@ pub fn read(
 ) -> Result<LoadedScene> {
     let place = path.display().to_string();
     let budget = Budget::new(&place, bytes.len() as u64, limits, beside)?;
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    let scene = match extension.as_str() {
-        "gltf" | "glb" => self::gltf::read(&place, bytes, budget)?,
-        "obj" => obj_file::read(&place, bytes, budget)?,
-        "ply" => ply_file::read(&place, bytes, budget)?,
-        _ => {
-            return Err(Error::bad_input(
-                path.display().to_string(),
-                format!("'.{extension}' is no scene format known here"),
-                "give a .gltf, .glb, .obj or .ply file",
-            ));
-        }
+    let format = format::of(path, bytes)?;
+    let mut scene = match format {
+        Format::Gltf => self::gltf::read(&place, bytes, budget)?,
+        Format::Obj => obj_file::read(&place, bytes, budget)?,
+        Format::Ply => ply_file::read(&place, bytes, budget)?,
+        Format::Stl => stl_file::read(&place, bytes, budget)?,
     };
+    scene.file.format = format.name();
     let triangles: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
     if triangles == 0 {
         return Err(Error::bad_input(

@@ -1,13 +1,15 @@
-//! Wavefront OBJ: positions and faces only, line by line; material files are never opened.
+//! Wavefront OBJ: positions, normals and faces, line by line. Without normals faces are flat, whatever
+//! their smoothing groups say, as three.js' loader has it; of material files only transparency is read.
 
 use super::files::Budget;
 use super::polygons::Cutter;
-use super::{LoadedScene, repair};
-use glam::Vec3;
+use super::{LoadedScene, mtl, repair};
+use glam::{DVec3, Vec3};
 use gnomon_core::{Error, Result};
+use std::collections::{BTreeSet, HashMap};
 
 /// Bytes in memory for each byte of the file: the shortest face line gives the most.
-const GROWTH: u64 = 12;
+const GROWTH: u64 = 16;
 
 pub(super) fn read(place: &str, bytes: &[u8], budget: Budget<'_>) -> Result<LoadedScene> {
     let place = place.to_string();
@@ -53,6 +55,8 @@ struct Part {
     name: String,
     /// Corners of all faces as numbers of the file's vertices.
     corners: Vec<u32>,
+    /// Normals of the corners as numbers of the file's normals; empty until the first that has one.
+    normals: Vec<u32>,
     /// Number of corners of each face.
     faces: Vec<u32>,
     /// Line of each face.
@@ -63,8 +67,12 @@ struct Reader<'b> {
     place: String,
     line: usize,
     budget: Budget<'b>,
-    positions: Vec<Vec3>,
+    positions: Vec<DVec3>,
+    normals: Vec<Vec3>,
     parts: Vec<Part>,
+    /// Material files and the materials that are used.
+    libraries: BTreeSet<String>,
+    used: BTreeSet<String>,
     /// Lines, points, curves and surfaces: they are not drawn.
     undrawn: usize,
     small: usize,
@@ -78,7 +86,10 @@ impl<'b> Reader<'b> {
             line: 0,
             budget,
             positions: Vec::new(),
+            normals: Vec::new(),
             parts: vec![first],
+            libraries: BTreeSet::new(),
+            used: BTreeSet::new(),
             undrawn: 0,
             small: 0,
         }
@@ -97,10 +108,19 @@ impl<'b> Reader<'b> {
         match words.next() {
             Some(b"v") => self.read_vertex(words),
             Some(b"f" | b"fo") => self.read_face(words),
-            Some(b"o" | b"g") => {
+            Some(b"vn") => {
+                let normal = numbers(words).map_or(Vec3::ZERO, |n| n.as_vec3());
+                self.normals.push(normal);
+                Ok(())
+            }
+            Some(word @ (b"o" | b"g" | b"mtllib" | b"usemtl")) => {
                 let name = String::from_utf8_lossy(line.trim_ascii()).into_owned();
                 let name = name.split_once(char::is_whitespace).map_or("", |(_, name)| name.trim());
-                self.begin(if name.is_empty() { "unnamed_object" } else { name });
+                match word {
+                    b"mtllib" => drop(self.libraries.insert(name.to_string())),
+                    b"usemtl" => drop(self.used.insert(name.to_string())),
+                    _ => self.begin(if name.is_empty() { "unnamed_object" } else { name }),
+                }
                 Ok(())
             }
             Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => {
@@ -119,23 +139,17 @@ impl<'b> Reader<'b> {
         }
     }
 
-    fn read_vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) -> Result<()> {
+    fn read_vertex<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<()> {
         self.budget.vertices(&self.place, 1)?;
-        let mut axis = || {
-            let word = words.next()?;
-            std::str::from_utf8(word).ok()?.parse::<f32>().ok()
-        };
-        let (x, y, z) = (axis(), axis(), axis());
-        let number = self.positions.len();
-        let p = x.zip(y).zip(z).map(|((x, y), z)| Vec3::new(x, y, z));
+        let (number, p) = (self.positions.len(), numbers(words));
         if !self.budget.is_lenient() {
             let p = p.ok_or_else(|| self.bad(format!("vertex {number} has no three numbers")))?;
-            if !repair::is_sound(p) {
+            if !repair::is_sound(p.as_vec3()) {
                 let reason = format!("vertex {number} is {p}, not a number within 1e30");
                 return Err(self.bad(reason));
             }
         }
-        self.positions.push(p.unwrap_or(Vec3::NAN));
+        self.positions.push(p.unwrap_or(DVec3::NAN));
         Ok(())
     }
 
@@ -144,6 +158,11 @@ impl<'b> Reader<'b> {
         let begin = part.corners.len();
         let mut wrong = None;
         for word in words {
+            let normal = normal(word, self.normals.len());
+            if normal.is_some() || !part.normals.is_empty() {
+                part.normals.resize(part.corners.len(), u32::MAX);
+                part.normals.push(normal.unwrap_or(u32::MAX));
+            }
             match vertex(word, self.positions.len()) {
                 Some(corner) => part.corners.push(corner),
                 None => {
@@ -155,6 +174,7 @@ impl<'b> Reader<'b> {
         let count = part.corners.len() - begin;
         if count < 3 {
             part.corners.truncate(begin);
+            part.normals.truncate(begin);
             self.small += 1;
         } else {
             part.faces.push(count as u32);
@@ -170,14 +190,24 @@ impl<'b> Reader<'b> {
 
     fn finish(mut self) -> Result<LoadedScene> {
         let mut scene = LoadedScene::default();
-        let mut cutter = Cutter::new();
+        let (mut cutter, mut flat) = (Cutter::new(), 0);
         let mut own = vec![(u32::MAX, 0); self.positions.len()];
         let parts = std::mem::take(&mut self.parts);
         for (i, part) in parts.into_iter().enumerate().filter(|(_, part)| !part.faces.is_empty()) {
             let at = format!("{}: object {i} '{}'", self.place, part.name);
-            let indices = self.triangles(&part, &mut cutter)?;
-            let given = self.compact(i as u32, indices, &mut own);
-            let mesh = repair::mesh(&at, given, Vec3::splat(0.8), &self.budget, &mut scene.notes)?;
+            let corners = self.triangles(&part, &mut cutter)?;
+            let (exact, normals, indices) = match self.all_turned(&part, &corners) {
+                true => self.split(&part, corners),
+                false => {
+                    flat += usize::from(!part.normals.is_empty() && !self.normals.is_empty());
+                    let (exact, indices) = self.compact(i as u32, &part, corners, &mut own);
+                    (exact, Vec::new(), indices)
+                }
+            };
+            let given = (exact.iter().map(|p| p.as_vec3()).collect(), indices);
+            let colour = Vec3::splat(0.8);
+            let mut mesh = repair::mesh(&at, given, colour, &self.budget, &mut scene.notes)?;
+            repair::complete(&mut mesh, exact, normals);
             let name = format!("{}#{i}", part.name);
             scene.parts.push(super::Part::drawn(name, mesh));
         }
@@ -185,64 +215,109 @@ impl<'b> Reader<'b> {
         for (count, what) in [
             (self.undrawn, "lines, points, curves and surfaces are left out"),
             (self.small, "faces have fewer than 3 corners and are left out"),
+            (flat, "parts have normals at some corners only and are taken as flat"),
         ] {
             if count > 0 {
                 scene.notes.push(format!("{}: {count} {what}", self.place));
             }
         }
+        mtl::tell(&mut self.budget, &self.libraries, &self.used, &mut scene.skipped);
         Ok(scene)
     }
 
-    /// The part's faces as triangles of the file's vertices.
+    /// The part's faces as triangles of its corners.
     fn triangles(&mut self, part: &Part, cutter: &mut Cutter) -> Result<Vec<u32>> {
         let mut triangles = Vec::with_capacity(part.corners.len());
-        let mut rest = part.corners.as_slice();
+        let mut begin = 0u32;
         for (&count, &line) in part.faces.iter().zip(&part.lines) {
-            let (face, after) = rest.split_at_checked(count as usize).unwrap_or((rest, &[]));
-            rest = after;
+            let face: Vec<u32> = (begin..begin + count).collect();
+            begin += count;
             let place = || format!("{}: line {line}", self.place);
-            let missing = face.iter().find(|&&c| c as usize >= self.positions.len());
-            if let (Some(corner), false) = (missing, self.budget.is_lenient()) {
+            let vertex = |corner: u32| part.corners.get(corner as usize).copied();
+            let missing = face
+                .iter()
+                .find_map(|&c| vertex(c).filter(|&v| v as usize >= self.positions.len()));
+            if let (Some(vertex), false) = (missing, self.budget.is_lenient()) {
                 let reason =
-                    format!("names vertex {} of {}", u64::from(*corner) + 1, self.positions.len());
+                    format!("names vertex {} of {}", u64::from(vertex) + 1, self.positions.len());
                 return Err(Error::bad_input(place(), reason, "repair the OBJ, or take --lenient"));
             }
             self.budget.indices(&self.place, 3 * face.len().saturating_sub(2) as u64)?;
-            cutter.face(place, face, &self.positions, &mut triangles)?;
+            let at = |corner: u32| self.positions.get(vertex(corner)? as usize).copied();
+            cutter.face(place, &face, at, &mut triangles)?;
         }
         Ok(triangles)
     }
 
-    /// The vertices that a part's triangles name, in the order of their first use, and the triangles
+    /// Whether every corner has a normal that is there.
+    fn all_turned(&self, part: &Part, corners: &[u32]) -> bool {
+        let normal =
+            |c: &u32| part.normals.get(*c as usize).and_then(|n| self.normals.get(*n as usize));
+        !part.normals.is_empty() && corners.iter().all(|c| normal(c).is_some())
+    }
+
+    /// The vertices that a part's corners name, in the order of their first use, and the triangles
     /// by them. `own` remembers, for each vertex of the file, the last part and its number there.
     fn compact(
         &self,
-        part: u32,
-        mut indices: Vec<u32>,
+        number: u32,
+        part: &Part,
+        mut corners: Vec<u32>,
         own: &mut [(u32, u32)],
-    ) -> (Vec<Vec3>, Vec<u32>) {
+    ) -> (Vec<DVec3>, Vec<u32>) {
         let mut positions = Vec::new();
-        for index in &mut indices {
-            let vertex = *index as usize;
-            let Some((known, number)) = own.get_mut(vertex) else {
-                *index = u32::MAX;
+        for corner in &mut corners {
+            let vertex = part.corners.get(*corner as usize).map_or(usize::MAX, |v| *v as usize);
+            let Some((known, index)) = own.get_mut(vertex) else {
+                *corner = u32::MAX;
                 continue;
             };
-            if *known != part {
-                (*known, *number) = (part, positions.len() as u32);
-                positions.push(self.positions.get(vertex).copied().unwrap_or(Vec3::NAN));
+            if *known != number {
+                (*known, *index) = (number, positions.len() as u32);
+                positions.push(self.positions.get(vertex).copied().unwrap_or(DVec3::NAN));
             }
-            *index = *number;
+            *corner = *index;
         }
-        (positions, indices)
+        (positions, corners)
     }
+
+    /// As [`Reader::compact`], with a vertex for every pair of position and normal.
+    fn split(&self, part: &Part, mut corners: Vec<u32>) -> (Vec<DVec3>, Vec<Vec3>, Vec<u32>) {
+        let (mut positions, mut normals) = (Vec::new(), Vec::new());
+        let mut known: HashMap<(u32, u32), u32> = HashMap::with_capacity(corners.len() / 4);
+        for corner in &mut corners {
+            let of = |numbers: &[u32]| numbers.get(*corner as usize).copied().unwrap_or(u32::MAX);
+            let (vertex, normal) = (of(&part.corners), of(&part.normals));
+            let next = positions.len() as u32;
+            *corner = *known.entry((vertex, normal)).or_insert(next);
+            if *corner == next {
+                positions.push(self.positions.get(vertex as usize).copied().unwrap_or(DVec3::NAN));
+                normals.push(self.normals.get(normal as usize).copied().unwrap_or_default());
+            }
+        }
+        (positions, normals, corners)
+    }
+}
+
+/// Three numbers at the begin of words.
+fn numbers<'w>(mut words: impl Iterator<Item = &'w [u8]>) -> Option<DVec3> {
+    let mut axis = || std::str::from_utf8(words.next()?).ok()?.parse::<f64>().ok();
+    Some(DVec3::new(axis()?, axis()?, axis()?))
 }
 
 /// The vertex that a corner `v`, `v/t`, `v//n` or `v/t/n` names, from 0; negative numbers count back
 /// from the last of `count`. A number beyond `count` may still follow in the file.
 fn vertex(word: &[u8], count: usize) -> Option<u32> {
-    let text = std::str::from_utf8(word.split(|&b| b == b'/').next()?).ok()?;
-    let number: i64 = text.parse().ok()?;
+    index(word.split(|&b| b == b'/').next()?, count)
+}
+
+/// The normal that a corner `v//n` or `v/t/n` names, from 0.
+fn normal(word: &[u8], count: usize) -> Option<u32> {
+    index(word.split(|&b| b == b'/').nth(2)?, count)
+}
+
+fn index(word: &[u8], count: usize) -> Option<u32> {
+    let number: i64 = std::str::from_utf8(word).ok()?.parse().ok()?;
     let from_zero = match number {
         0 => return None,
         1.. => number - 1,

@@ -1,9 +1,10 @@
-//! PLY, the Stanford format: positions and faces, as text or binary; all else in it is passed over.
+//! PLY, the Stanford format: positions, normals and faces, as text or binary; all else in it is passed
+//! over.
 
 use super::files::Budget;
 use super::polygons::Cutter;
 use super::{LoadedScene, repair, strips};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use gnomon_core::{Error, Result};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
@@ -13,13 +14,15 @@ pub(super) fn read(place: &str, bytes: &[u8], mut budget: Budget<'_>) -> Result<
     let mut file = File { place: &place, size: bytes.len(), reader: Reader::new(bytes) };
     let header = Parser::<Nothing>::new().read_header(&mut file.reader);
     let header = header.map_err(|e| unusable(&place, &e))?;
-    let (mut positions, mut faces, mut strips) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut vertices, mut faces, mut strips) = (Vec::new(), Vec::new(), Vec::new());
+    let mut turned = false;
     for (name, element) in &header.elements {
         file.check(element)?;
         match name.as_str() {
             "vertex" => {
                 budget.vertices(&place, element.count as u64)?;
-                positions = file.elements::<Vertex>(element, &header)?;
+                vertices = file.elements::<Vertex>(element, &header)?;
+                turned = ["nx", "ny", "nz"].iter().all(|n| element.properties.contains_key(*n));
             }
             "face" => {
                 budget.indices(&place, 3 * element.count as u64)?;
@@ -31,14 +34,21 @@ pub(super) fn read(place: &str, bytes: &[u8], mut budget: Budget<'_>) -> Result<
     }
     let corners: usize = faces.iter().map(|face| 3 * face.0.len().saturating_sub(2)).sum();
     budget.indices(&place, corners.saturating_sub(3 * faces.len()) as u64)?;
-    let positions: Vec<Vec3> = positions.into_iter().map(|vertex: Vertex| vertex.0).collect();
+    let exact: Vec<DVec3> = vertices.iter().map(|vertex: &Vertex| vertex.position).collect();
+    let positions: Vec<Vec3> = exact.iter().map(|p| p.as_vec3()).collect();
+    let normals = match turned {
+        true => vertices.iter().map(|vertex| vertex.normal).collect(),
+        false => Vec::new(),
+    };
+    drop(vertices);
     let mut scene = LoadedScene::default();
-    let mut triangles = triangles(&place, &faces, &positions, &budget, &mut scene.notes)?;
+    let mut triangles = triangles(&place, &faces, &exact, &budget, &mut scene.notes)?;
     let corners: usize = strips.iter().map(|strip| strip.0.len()).sum();
     budget.indices(&place, 3 * corners as u64)?;
     triangles.extend(strips.iter().flat_map(Strip::triangles));
     let given = (positions, triangles);
-    let mesh = repair::mesh(&place, given, Vec3::splat(0.8), &budget, &mut scene.notes)?;
+    let mut mesh = repair::mesh(&place, given, Vec3::splat(0.8), &budget, &mut scene.notes)?;
+    repair::complete(&mut mesh, exact, normals);
     scene.parts.push(super::Part::drawn("mesh".to_string(), mesh));
     Ok(scene)
 }
@@ -56,7 +66,7 @@ fn unusable(place: &str, error: &impl std::fmt::Display) -> Error {
 fn triangles(
     place: &str,
     faces: &[Face],
-    positions: &[Vec3],
+    positions: &[DVec3],
     budget: &Budget<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<u32>> {
@@ -74,7 +84,8 @@ fn triangles(
     }
     let (mut cutter, mut triangles) = (Cutter::new(), Vec::new());
     for (k, face) in faces.iter().enumerate().filter(|(_, face)| !small(face)) {
-        cutter.face(|| format!("{place}: face {k}"), &face.0, positions, &mut triangles)?;
+        let at = |i: u32| positions.get(i as usize).copied();
+        cutter.face(|| format!("{place}: face {k}"), &face.0, at, &mut triangles)?;
     }
     cutter.note(place, notes);
     Ok(triangles)
@@ -117,21 +128,47 @@ impl PropertyAccess for Nothing {
     }
 }
 
-struct Vertex(Vec3);
+struct Vertex {
+    position: DVec3,
+    normal: Vec3,
+}
+
+/// A number with the digits that it has: f32 holds neither doubles nor large integers.
+fn number(value: &Property) -> Option<f64> {
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's own enum of all types")]
+    match *value {
+        Property::Double(value) => Some(value),
+        Property::Int(value) => Some(f64::from(value)),
+        Property::UInt(value) => Some(f64::from(value)),
+        ref other => other.to_f32_lossy().map(f64::from),
+    }
+}
 
 impl PropertyAccess for Vertex {
     fn new() -> Self {
-        Self(Vec3::ZERO)
+        Self { position: DVec3::ZERO, normal: Vec3::ZERO }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
         let axis = match name {
-            "x" => &mut self.0.x,
-            "y" => &mut self.0.y,
-            "z" => &mut self.0.z,
+            "x" => &mut self.position.x,
+            "y" => &mut self.position.y,
+            "z" => &mut self.position.z,
+            "nx" | "ny" | "nz" => {
+                let Some(value) = value.to_f32_lossy() else {
+                    return PropertyAccessResult::UnsupportedType;
+                };
+                let axis = match name {
+                    "nx" => &mut self.normal.x,
+                    "ny" => &mut self.normal.y,
+                    _ => &mut self.normal.z,
+                };
+                *axis = value;
+                return PropertyAccessResult::Set;
+            }
             _ => return PropertyAccessResult::Ignored,
         };
-        match value.to_f32_lossy() {
+        match number(&value) {
             Some(value) => *axis = value,
             None => return PropertyAccessResult::UnsupportedType,
         }

@@ -2,13 +2,15 @@
 
 use super::strips;
 use earcut::Earcut;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use gnomon_core::{Error, Result};
 
 /// Corners of the largest face that is cut ear by ear, which takes the square of their number at worst.
 const LARGEST_CONCAVE: usize = 1 << 14;
 /// Corners² of all such faces together.
 const LARGEST_WORK: u64 = 1 << 32;
+/// A face is bent where a corner lies off its plane by more than this share of its size.
+const BENT: f64 = 1e-4;
 /// A face that is cut into another area than its outline encloses, by this share, is not simple.
 const OFF: f64 = 1e-6;
 
@@ -18,30 +20,39 @@ pub(super) struct Cutter {
     outline: Vec<[f64; 2]>,
     cut: Vec<u32>,
     work: u64,
+    /// Whether the face at hand is bent.
+    bent: bool,
     /// Faces whose outline crosses itself or has no area, and which are as the library cuts them.
     odd: usize,
 }
 
 impl Cutter {
     pub(super) fn new() -> Self {
-        Self { ears: Earcut::new(), outline: Vec::new(), cut: Vec::new(), work: 0, odd: 0 }
+        Self {
+            ears: Earcut::new(),
+            outline: Vec::new(),
+            cut: Vec::new(),
+            work: 0,
+            bent: false,
+            odd: 0,
+        }
     }
 
-    /// Adds the triangles of a face of three corners or more to `triangles`. Faces that are convex as
-    /// seen along their normal are fans around their first corner, as other readers draw them. A
-    /// corner that is not there is left to the check of indices.
+    /// Adds the triangles of a face of three corners or more, which stand `at` places, to `triangles`.
+    /// Faces that are convex as seen along their normal are fans around their first corner, as other
+    /// readers draw them. A corner that is not there is left to the check of indices.
     pub(super) fn face(
         &mut self,
         place: impl Fn() -> String,
         face: &[u32],
-        positions: &[Vec3],
+        at: impl Fn(u32) -> Option<DVec3>,
         triangles: &mut Vec<u32>,
     ) -> Result<()> {
         if let &[a, b, c] = face {
             triangles.extend([a, b, c]);
             return Ok(());
         }
-        if self.flatten(face, positions).is_none() || is_convex(&self.outline) {
+        if self.flatten(face, at).is_none() || is_convex(&self.outline) {
             triangles.extend(strips::fan(face));
             return Ok(());
         }
@@ -52,18 +63,23 @@ impl Cutter {
         }
         self.ears.earcut_slice(&self.outline, &[], &mut self.cut);
         let off = earcut::deviation(self.outline.iter().copied(), &[], &self.cut);
-        self.odd += usize::from(!(off <= OFF));
+        // Corners on a line as seen along the normal are left out, but those of a bent face are not on one.
+        let torn = self.bent && self.cut.len() < 3 * (face.len() - 2);
+        self.odd += usize::from(torn || !(off <= OFF));
+        if torn {
+            triangles.extend(strips::fan(face));
+            return Ok(());
+        }
         triangles.extend(self.cut.iter().filter_map(|&i| face.get(i as usize)));
         Ok(())
     }
 
     /// The face as seen along its normal (Newell's, from all edges); `None` without area.
-    fn flatten(&mut self, face: &[u32], positions: &[Vec3]) -> Option<()> {
+    fn flatten(&mut self, face: &[u32], at: impl Fn(u32) -> Option<DVec3>) -> Option<()> {
         self.outline.clear();
-        let at = |i: &u32| positions.get(*i as usize).map(|p| p.as_dvec3());
-        let first = at(face.first()?)?;
-        let (mut normal, mut before) = (DVec3::ZERO, at(face.last()?)? - first);
-        for corner in face {
+        let first = at(*face.first()?)?;
+        let (mut normal, mut before) = (DVec3::ZERO, at(*face.last()?)? - first);
+        for &corner in face {
             let corner = at(corner)? - first;
             normal += before.cross(corner);
             before = corner;
@@ -75,8 +91,13 @@ impl Cutter {
             largest if largest == along.y => (DVec3::Z, DVec3::X, normal.y),
             _ => (DVec3::X, DVec3::Y, normal.z),
         };
+        let away = |p: DVec3| (p.dot(normal) / normal.length(), p.abs().max_element());
+        let corners = face.iter().filter_map(|&i| Some(away(at(i)? - first)));
+        let (off, size) =
+            corners.fold((0.0f64, 0.0f64), |(off, size), (d, s)| (off.max(d.abs()), size.max(s)));
+        self.bent = off > BENT * size;
         let flat = |p: DVec3| [p.dot(u) * sign.signum(), p.dot(v)];
-        self.outline.extend(face.iter().filter_map(|i| Some(flat(at(i)? - first))));
+        self.outline.extend(face.iter().filter_map(|&i| Some(flat(at(i)? - first))));
         Some(())
     }
 
@@ -119,12 +140,16 @@ mod tests {
     use super::*;
 
     fn cut(corners: &[[f32; 2]]) -> (Vec<u32>, f64, usize) {
-        let positions: Vec<Vec3> =
-            corners.iter().map(|[x, y]| Vec3::new(*x, *y, 0.5 * x)).collect();
+        let positions: Vec<DVec3> = corners
+            .iter()
+            .map(|&[x, y]| DVec3::new(x.into(), y.into(), (0.5 * x).into()))
+            .collect();
         let face: Vec<u32> = (0..positions.len() as u32).collect();
         let (mut cutter, mut triangles) = (Cutter::new(), Vec::new());
-        cutter.face(|| "here".into(), &face, &positions, &mut triangles).expect("a cut");
-        let corner = |i: u32| positions[i as usize].truncate().as_dvec2();
+        cutter
+            .face(|| "here".into(), &face, |i| positions.get(i as usize).copied(), &mut triangles)
+            .expect("a cut");
+        let corner = |i: u32| positions[i as usize].truncate();
         let area = |t: &[u32]| {
             let [a, b, c] = [t[0], t[1], t[2]].map(corner);
             (b - a).perp_dot(c - a) / 2.0
@@ -148,6 +173,23 @@ mod tests {
         assert_eq!((cut(&l).1, cut(&l).2), (7.0, 0));
         let on_the_edge = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         assert_eq!(cut(&on_the_edge).0.len(), 9, "a corner on an edge is no concave one");
+    }
+
+    #[test]
+    fn a_bent_face_loses_no_corner() {
+        // Seen from above, the last corner lies on the edge before it.
+        let corners = [
+            [-5.0, 0.0, 5.0],
+            [5.0, 0.0, 5.0],
+            [5.0, 0.0, -5.0],
+            [-5.0, 0.0, -5.0],
+            [0.0, 5.0, -5.0],
+        ];
+        let corners = corners.map(DVec3::from_array);
+        let (mut cutter, mut triangles) = (Cutter::new(), Vec::new());
+        let at = |i: u32| corners.get(i as usize).copied();
+        cutter.face(|| "here".into(), &[0, 1, 2, 3, 4], at, &mut triangles).expect("a cut");
+        assert_eq!((triangles.len(), cutter.odd), (9, 1));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Meshes as files give them: refused where they are damaged, or leniently rid of what is.
 
 use super::files::Budget;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use gnomon_core::scene::Mesh;
 use gnomon_core::{Error, Result};
 
@@ -38,6 +38,25 @@ pub(super) fn mesh(
     let anchor = triangles.iter().flatten().find_map(position).unwrap_or_default();
     positions.iter_mut().filter(|p| !is_sound(**p)).for_each(|p| *p = anchor);
     Ok(Mesh::new(positions, triangles, colour))
+}
+
+/// Gives a mesh the numbers that its positions are rounded from, where they say more, and its normals,
+/// where it has one for each vertex.
+pub(super) fn complete(mesh: &mut Mesh, exact: Vec<DVec3>, normals: Vec<Vec3>) {
+    if mesh.positions.iter().zip(&exact).any(|(p, exact)| p.as_dvec3() != *exact) {
+        let mended = |(exact, p): (DVec3, &Vec3)| match exact.as_vec3() == *p {
+            true => exact,
+            false => p.as_dvec3(),
+        };
+        mesh.exact = exact.into_iter().zip(&mesh.positions).map(mended).collect();
+    }
+    mesh.smooth = !normals.is_empty();
+    mesh.normals = normals.into_iter().map(sound_normal).collect();
+}
+
+/// A normal that can be worked with: none where it is not finite.
+fn sound_normal(normal: Vec3) -> Vec3 {
+    if normal.is_finite() { normal } else { Vec3::ZERO }
 }
 
 fn check(place: &str, positions: &[Vec3], indices: &[u32]) -> Result<()> {

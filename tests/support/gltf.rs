@@ -3,15 +3,15 @@
 use serde_json::{Value, json};
 
 /// A document of one buffer.
-pub struct Gltf {
+pub(crate) struct Gltf {
     /// All of it but the buffer.
-    pub json: Value,
+    pub(crate) json: Value,
     binary: Vec<u8>,
 }
 
 impl Gltf {
     /// A unit square at y = 1, seen from above: one node, one mesh, one primitive, accessor 0.
-    pub fn square() -> Self {
+    pub(crate) fn square() -> Self {
         let json = json!({
             "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
             "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "mode": 5 }] }],
@@ -26,12 +26,12 @@ impl Gltf {
     }
 
     /// The first primitive of the first mesh.
-    pub fn primitive(&mut self) -> &mut Value {
+    pub(crate) fn primitive(&mut self) -> &mut Value {
         &mut self.json["meshes"][0]["primitives"][0]
     }
 
     /// One accessor more over bytes of its own, with more members; gives its number.
-    pub fn accessor(
+    pub(crate) fn accessor(
         &mut self,
         bytes: &[u8],
         count: usize,
@@ -58,18 +58,18 @@ impl Gltf {
     }
 
     /// One accessor of floats more; gives its number.
-    pub fn floats<const N: usize>(&mut self, kind: &str, rows: &[[f32; N]]) -> usize {
+    pub(crate) fn floats<const N: usize>(&mut self, kind: &str, rows: &[[f32; N]]) -> usize {
         self.rows(kind, &rows.iter().map(|row| row.to_vec()).collect::<Vec<_>>())
     }
 
     /// [`Gltf::floats`] of rows of any length.
-    pub fn rows(&mut self, kind: &str, rows: &[Vec<f32>]) -> usize {
+    pub(crate) fn rows(&mut self, kind: &str, rows: &[Vec<f32>]) -> usize {
         let bytes: Vec<u8> = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         self.accessor(&bytes, rows.len(), kind, 5126, json!({}), None)
     }
 
     /// The file, its buffer as a data URI.
-    pub fn bytes(&self) -> Vec<u8> {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
         use base64::Engine as _;
         let uri = base64::engine::general_purpose::STANDARD.encode(&self.binary);
         let uri = format!("data:application/octet-stream;base64,{uri}");

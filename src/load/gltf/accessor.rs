@@ -97,10 +97,16 @@ impl<'a> Source<'a> {
         };
         let mut values = match accessor.view() {
             Some(view) => self.elements(&view, [accessor.offset(), count, N])?.read(None, read),
+            None if (count as u64).saturating_mul(N as u64) > self.buffers.most => {
+                return Err(self.bad(format!("has {count} elements, but no data")));
+            }
             None => vec![zero; count],
         };
         let (indices, replaced) = (sparse.indices(), sparse.values());
         let (view, offset) = (indices.view(), indices.offset());
+        if sparse.count() == 0 {
+            return Ok(self.kept(values));
+        }
         let places = |size| self.elements(&view, [offset, sparse.count(), size]);
         let places = match indices.index_type() {
             IndexType::U8 => places(1)?.read(None, |[b]| u32::from(b)),
@@ -115,11 +121,14 @@ impl<'a> Source<'a> {
                 self.bad(format!("its sparse part replaces element {index} of {count}"))
             })? = value;
         }
+        Ok(self.kept(values))
+    }
+
+    /// Those of all elements that are read.
+    fn kept<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
         match self.keep {
-            Some(keep) => {
-                Ok(keep.iter().filter_map(|&i| values.get(i as usize).copied()).collect())
-            }
-            None => Ok(values),
+            Some(keep) => keep.iter().filter_map(|&i| values.get(i as usize).copied()).collect(),
+            None => values,
         }
     }
 

@@ -4,7 +4,8 @@ use super::super::files::Budget;
 use super::nodes::Placed;
 use super::{draco, meshopt};
 use gltf::json;
-use gltf::json::validation::USize64;
+use gltf::json::accessor::{ComponentType, IndexComponentType, sparse};
+use gltf::json::validation::{Checked, USize64};
 use gnomon_core::{Error, Result};
 use std::borrow::Cow;
 
@@ -12,16 +13,20 @@ use std::borrow::Cow;
 const OBJECT: u64 = 1024;
 
 /// The buffers of a document; those of a GLB are borrowed from the file.
-pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
+pub(super) struct Buffers<'a> {
+    all: Vec<Cow<'a, [u8]>>,
+    /// Bytes that values which are in no buffer may take.
+    pub(super) most: u64,
+}
 
 impl<'a> Buffers<'a> {
     /// The bytes of a buffer; none where there is no such one.
     pub(super) fn of(&self, index: usize) -> &[u8] {
-        self.0.get(index).map_or(&[], |bytes| bytes)
+        self.all.get(index).map_or(&[], |bytes| bytes)
     }
 
     fn push(&mut self, bytes: Vec<u8>) {
-        self.0.push(Cow::Owned(bytes));
+        self.all.push(Cow::Owned(bytes));
     }
 
     /// The part of a buffer that a view shows, or that an extension of it names.
@@ -46,13 +51,17 @@ pub(super) fn parse<'a>(place: &str, bytes: &'a [u8], budget: &mut Budget<'_>) -
         Error::bad_input(place, format!("is no usable glTF 2.0 ({e})"), "export it again")
     };
     let (text, chunk) = chunks(bytes).map_err(unusable)?;
-    let mut root = json::Root::from_slice(&text).map_err(|e| unusable(e.to_string()))?;
+    let mut root = json::Root::from_slice(&text).map_err(|e| match is_first(&text) {
+        true => super::super::format::first_gltf(place),
+        false => unusable(e.to_string()),
+    })?;
     check(&mut root).map_err(unusable)?;
     let nodes = super::nodes::placed(&text).map_err(|e| unusable(e.to_string()))?;
     drop(text);
     let mut buffers = read_buffers(place, &root, chunk, budget)?;
     meshopt::unpack(place, &mut root, &mut buffers, budget)?;
     draco::unpack(place, &mut root, &mut buffers, budget)?;
+    zeros(&mut root, &mut buffers);
     let document = gltf::Document::from_json(root).map_err(|e| unusable(e.to_string()))?;
     Ok(File { document, buffers, nodes })
 }
@@ -89,6 +98,14 @@ fn chunks(bytes: &[u8]) -> std::result::Result<Chunks<'_>, String> {
     Ok((glb.json, glb.bin))
 }
 
+/// Whether a JSON is glTF 1.0, which has maps where 2.0 has lists.
+fn is_first(json: &[u8]) -> bool {
+    let json: serde_json::Value = serde_json::from_slice(json).unwrap_or_default();
+    let version = json.get("asset").and_then(|asset| asset.get("version")?.as_str());
+    version.is_some_and(|version| version.starts_with("1."))
+        || json.get("accessors").is_some_and(serde_json::Value::is_object)
+}
+
 /// What gltf 1.4 would refuse although it is read here, or would not check in time.
 fn check(root: &mut json::Root) -> std::result::Result<(), String> {
     root.extensions_required.retain(|name| !is_read(name));
@@ -96,6 +113,15 @@ fn check(root: &mut json::Root) -> std::result::Result<(), String> {
         let names = root.extensions_required.join(", ");
         return Err(format!("it needs {names}, which is not read; `gltf-transform` can decode it"));
     }
+    for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.attributes.retain(|semantic, _| matches!(semantic, Checked::Valid(_)));
+    }
+    // Bounds, which writers forget and nothing here needs, and a scene that is not there.
+    for accessor in &mut root.accessors {
+        let none = || Some(serde_json::json!([0, 0, 0]));
+        (accessor.min, accessor.max) = (none(), none());
+    }
+    root.scene = root.scene.filter(|scene| scene.value() < root.scenes.len());
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let targets = primitives.clone().flat_map(|p| p.targets.iter().flatten());
     let of_targets = targets.flat_map(|t| [t.positions, t.normals, t.tangents]).flatten();
@@ -120,7 +146,8 @@ fn is_read(extension: &str) -> bool {
         "KHR_node_visibility",
         "KHR_animation_pointer",
     ];
-    const HARMLESS: [&str; 14] = [
+    const HARMLESS: [&str; 15] = [
+        "KHR_technique",
         "KHR_materials_",
         "KHR_texture_",
         "KHR_xmp",
@@ -139,11 +166,39 @@ fn is_read(extension: &str) -> bool {
     READ.contains(&extension) || HARMLESS.iter().any(|prefix| extension.starts_with(prefix))
 }
 
-/// Whether a buffer only stands for what meshopt's decoder gives, and holds nothing.
-fn is_fallback(buffer: &json::Buffer) -> bool {
+/// Whether a buffer only stands for what meshopt's decoder gives, and holds nothing: it says so, or all
+/// that is seen of it is compressed.
+fn is_fallback(root: &json::Root, index: usize, buffer: &json::Buffer) -> bool {
     let others = buffer.extensions.as_ref().map(|extensions| &extensions.others);
     let says = |name: &str| others?.get(name)?.get("fallback")?.as_bool();
+    let mut views = root.buffer_views.iter().filter(|v| v.buffer.value() == index).peekable();
     meshopt::NAMES.iter().any(|name| says(name) == Some(true))
+        || views.peek().is_some() && views.all(|view| meshopt::extension(view).is_some())
+}
+
+/// Gives accessors without data a sparse part without elements: they are zeros (glTF 2.0, 3.6.2.1), and
+/// gltf 1.4 refuses them even where nothing names them.
+fn zeros(root: &mut json::Root, buffers: &mut Buffers<'_>) {
+    let is_bare = |a: &json::Accessor| a.buffer_view.is_none() && a.sparse.is_none();
+    if !root.accessors.iter().any(is_bare) {
+        return;
+    }
+    let buffer_view = add_view(root, buffers, Vec::new());
+    let (byte_offset, component) = (USize64(0), IndexComponentType(ComponentType::U8));
+    let indices = sparse::Indices {
+        buffer_view,
+        byte_offset,
+        component_type: Checked::Valid(component),
+        extensions: None,
+        extras: json::Extras::default(),
+    };
+    let extras = json::Extras::default();
+    let values = sparse::Values { buffer_view, byte_offset, extensions: None, extras };
+    let (count, extras) = (USize64(0), json::Extras::default());
+    let empty = sparse::Sparse { count, indices, values, extensions: None, extras };
+    for accessor in root.accessors.iter_mut().filter(|a| is_bare(a)) {
+        accessor.sparse = Some(empty.clone());
+    }
 }
 
 /// The first buffer alone may be the GLB's binary chunk, which is borrowed, never copied.
@@ -159,7 +214,7 @@ fn read_buffers<'a>(
         let bad = |reason: String| Error::bad_input(&at, reason, "export it again");
         let bytes = match buffer.uri.as_deref() {
             Some(uri) => Cow::Owned(budget.resource(&at, uri)?),
-            None if is_fallback(buffer) => {
+            None if is_fallback(root, i, buffer) => {
                 buffers.push(Cow::Borrowed(&[][..]));
                 continue;
             }
@@ -175,7 +230,7 @@ fn read_buffers<'a>(
         }
         buffers.push(bytes);
     }
-    Ok(Buffers(buffers))
+    Ok(Buffers { all: buffers, most: budget.most_memory() / 16 })
 }
 
 /// Adds bytes as a buffer of their own under a view of all of them.

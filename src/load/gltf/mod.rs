@@ -177,6 +177,9 @@ impl<'f> Reader<'f, '_> {
         let Some((shape, surface)) = self.shape(node, mesh, primitive, name)? else {
             return Ok(());
         };
+        self.scene.file.skinned += usize::from(node.skin().is_some());
+        let weights = self.weights_of(node, mesh, primitive);
+        self.scene.file.morphed += usize::from(weights.iter().any(|weight| *weight != 0.0));
         let all = self.scene.parts.len() + stands.len();
         super::check_parts(&self.place, all)?;
         for &model in stands {
@@ -195,6 +198,8 @@ impl<'f> Reader<'f, '_> {
     fn tell(&mut self) {
         self.scene.skipped.extend(self.told.sentences());
         let animations = self.file.document.animations().len();
+        self.scene.file.animations = animations;
+        self.scene.file.time = self.budget.wanted().time.map(|time| time.to_string());
         if animations > 0 && self.budget.wanted().time.is_none() {
             let plural = if animations == 1 { "" } else { "s" };
             self.scene.skipped.push(format!(

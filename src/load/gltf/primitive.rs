@@ -77,7 +77,7 @@ impl<'f> Reader<'f, '_> {
     }
 
     /// Weights of the morph targets: an animation's, else the node's, else the mesh's, else none.
-    fn weights_of(
+    pub(super) fn weights_of(
         &self,
         node: &gltf::Node<'f>,
         mesh: &gltf::Mesh<'f>,
@@ -167,8 +167,8 @@ impl<'f> Reader<'f, '_> {
         };
         let (given, colour) = ((positions, indices), base_colour(primitive));
         let mut mesh = repair::mesh(place, given, colour, &self.budget, &mut self.scene.notes)?;
-        mesh.smooth = !normals.is_empty();
-        mesh.normals = normals.into_iter().map(Vec3::from_array).map(sound).collect();
+        let normals = normals.into_iter().map(Vec3::from_array).collect();
+        repair::complete(&mut mesh, Vec::new(), normals);
         mesh.uvs = uvs.into_iter().map(Vec2::from_array).collect();
         Ok(Some(mesh))
     }
@@ -203,6 +203,12 @@ impl<'f> Reader<'f, '_> {
     ) -> Vec<[f32; N]> {
         let Some(accessor) = primitive.get(semantic) else { return Vec::new() };
         let what = semantic.to_string();
+        let many = source.keep.map_or(positions.len(), |_| accessor.count());
+        if accessor.count() != many {
+            let what = format!("whose {what} are not as many as its positions: taken as without");
+            self.told.add("mesh primitive", what, "");
+            return Vec::new();
+        }
         match source.vectors::<N>(&what, &accessor) {
             Ok(values) if values.len() == positions.len() => values,
             _ => {
@@ -244,11 +250,6 @@ fn compact(indices: &mut [u32], count: usize) -> Option<Vec<u32>> {
         *i = keep.binary_search(i).map_or(u32::MAX, |new| new as u32);
     }
     Some(keep)
-}
-
-/// A normal that can be worked with.
-fn sound(normal: Vec3) -> Vec3 {
-    if normal.is_finite() { normal } else { Vec3::ZERO }
 }
 
 fn base_colour(primitive: &gltf::Primitive<'_>) -> Vec3 {

@@ -16,6 +16,12 @@ use serde_json::Value;
 /// The names under which files have it.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
+/// How a buffer view is compressed; `None` where it is not.
+pub(super) fn extension(view: &json::buffer::View) -> Option<&Value> {
+    let others = &view.extensions.as_ref()?.others;
+    NAMES.iter().find_map(|name| others.get(*name))
+}
+
 /// Decodes every compressed buffer view into a buffer of its own, which the view then shows.
 pub(super) fn unpack(
     place: &str,
@@ -25,9 +31,7 @@ pub(super) fn unpack(
 ) -> Result<()> {
     for v in 0..root.buffer_views.len() {
         let Some(view) = root.buffer_views.get(v) else { continue };
-        let others = view.extensions.as_ref().map(|extensions| &extensions.others);
-        let found = others.and_then(|others| NAMES.iter().find_map(|name| others.get(*name)));
-        let Some(extension) = found.cloned() else { continue };
+        let Some(extension) = extension(view).cloned() else { continue };
         let at = format!("{place}: bufferViews[{v}]");
         let fix = "decode it with `gltf-transform copy`, or export it again";
         let bad = |reason: &str| Error::bad_input(&at, reason, fix);
