@@ -154,3 +154,14 @@ fn what_was_left_out_of_the_scene_is_said_first_and_once() {
     assert!(!found.after_first_lines().contains("Left out"));
     assert_eq!(Field::new(&case, 1).first_lines(), [line]);
 }
+
+#[test]
+fn surfaces_that_receive_no_shadow_are_told() {
+    let mut case = case(BOX, 10.0, DVec3::ZERO);
+    case.objects[1].surface.receives = false;
+    let found = measure(&case, 1);
+    let block = found.observations.iter().filter(|o| o.object == 1).count();
+    let line = format!("{block} of {} receivers", found.observations.len());
+    let [told] = &*found.measurement.first_lines else { panic!("{:?}", found.measurement) };
+    assert!(block > 0 && told.starts_with(&line) && told.contains("receive no shadow"), "{told}");
+}

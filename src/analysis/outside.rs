@@ -1,5 +1,5 @@
 //! What lies outside a light's maps and cone: receivers by reason, with the value that would include them,
-//! casters that near and far cut off, and normals that point away from the light.
+//! casters that near and far cut off, surfaces that receive no shadow, normals that point away from the light.
 
 mod words;
 
@@ -108,6 +108,8 @@ pub(super) struct OutsideCounts {
     cut: [Vec<u64>; 2],
     /// The outermost near and far that those occluders take.
     cut_takes: [Option<f64>; 2],
+    /// Receivers on surfaces that receive no shadow.
+    receive_none: u64,
     /// Truly lit receivers, and those whose vertices' normals point away from the light.
     lit: [u64; 2],
 }
@@ -138,6 +140,7 @@ impl OutsideCounts {
     /// The counts of both.
     pub(super) fn joined(mut self, other: Self) -> Self {
         self.seen += other.seen;
+        self.receive_none += other.receive_none;
         self.lit.iter_mut().zip(other.lit).for_each(|(a, b)| *a += b);
         self.receivers.iter_mut().zip(other.receivers).for_each(|(a, b)| *a += b);
         self.takes.iter_mut().zip(other.takes).for_each(|(a, b)| join(a, b));
@@ -160,6 +163,8 @@ impl OutsideCounts {
         (answer, standing): (&Answer, Standing),
     ) {
         self.seen += 1;
+        let object = usize::from(observer.geometry.object[receiver.triangle as usize]);
+        self.receive_none += u64::from(!observer.case().objects[object].surface.receives);
         let lens = &observer.lenses[map];
         let is_outside = standing == Standing::OutsideMap || standing == Standing::OutsideCone;
         if is_outside {

@@ -55,8 +55,20 @@ impl OutsideCounts {
         let left_out = if measured { self.left_out(observer) } else { Vec::new() };
         let mut lines =
             first_lines(observer.case(), &left_out, self.seen, &self.lost_casters(observer));
+        lines.extend(self.receive_none());
         lines.extend(self.away());
         lines
+    }
+
+    /// Receivers on surfaces that receive no shadow, in one sentence.
+    fn receive_none(&self) -> Option<String> {
+        let Self { receive_none: none, seen, .. } = self;
+        let share = percent(*none as f64 / (*seen).max(1) as f64, 3);
+        (*none > 0).then(|| {
+            format!(
+                "{none} of {seen} receivers ({share}) lie on surfaces that receive no shadow and count in no rate."
+            )
+        })
     }
 
     /// Lit receivers whose vertices' normals point away from the light, in one sentence.

@@ -37,8 +37,8 @@ crate::catalogue! {
     pub enum MoveNormal {
         /// The face's own, on the side that the light reaches (Blender EEVEE Next, from derivatives).
         Face = "face",
-        /// Those of the vertices: each is moved by its own and the moved ones are interpolated; never turned to
-        /// the side seen (three.js; casters of Unity, URP and Babylon).
+        /// The normals of the vertices: each is moved by its own and the moved ones are interpolated; never
+        /// turned to the side seen (three.js; casters of Unity, URP and Babylon).
         Vertices = "vertices",
         /// The interpolated one, normalised, never turned (Godot's normal_interp).
         Interpolated = "interpolated",
