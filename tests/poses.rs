@@ -108,7 +108,7 @@ fn what_cannot_be_decoded_is_opaque_and_named_once() {
         assert!(told.contains(word), "{told}");
     }
     let scene = sound(&masked("nowhere.png"));
-    assert!(scene.skipped[0].contains("nowhere.png"), "{:?}", scene.skipped);
+    assert!(scene.skipped[0].contains("not beside the scene"), "{:?}", scene.skipped);
 }
 
 #[test]
@@ -282,6 +282,17 @@ fn animations_are_chosen_by_name_or_told() {
     assert_eq!(at(Some(0.0), Some("1")).unwrap(), 10.0);
     assert!(at(Some(0.0), Some("run")).expect_err("no such").to_string().contains("none of 2"));
     assert!(sound(&gltf).skipped[0].contains("2 animations"), "{:?}", sound(&gltf).skipped);
+    let pointer = json!({ "sampler": 0, "target": { "path": "pointer", "extensions":
+        { "KHR_animation_pointer": { "pointer": "/materials/0/alphaCutoff" } } } });
+    let mut pointed = gltf.clone();
+    pointed.json["animations"][0]["channels"].as_array_mut().unwrap().push(pointer);
+    let scene = load(&pointed, Wanted { time: Some(0.0), ..Wanted::default() }).unwrap();
+    assert_eq!(bounds(&scene)[1].y, 6.0);
+    assert!(
+        scene.skipped[0].contains("1 animation channel of other things"),
+        "{:?}",
+        scene.skipped
+    );
     let still = load(&Gltf::square(), Wanted { time: Some(1.0), ..Wanted::default() });
     assert!(still.expect_err("nothing to play").to_string().contains("there is none"));
 }

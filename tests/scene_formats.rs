@@ -247,7 +247,11 @@ fn nodes_scaled_to_nothing_are_left_out_and_zero_quaternions_refused() {
     for scale in [json!([0, 0, 0]), json!([0, 1, 0])] {
         let scene = sound("a.gltf", &two(scale));
         assert_eq!(scene.parts.len(), 1);
-        assert!(scene.notes[0].contains("nodes[1] is scaled to nothing"), "{:?}", scene.notes);
+        assert!(
+            scene.notes[0].contains("1 node (nodes[1]) scaled to nothing"),
+            "{:?}",
+            scene.notes
+        );
     }
     let turned = gltf(&floats(), |v| v["nodes"][0]["rotation"] = json!([0, 0, 0, 0]));
     let error = load("a.gltf", &turned).expect_err("no rotation").to_string();

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 /// A document of one buffer.
+#[derive(Clone)]
 pub(crate) struct Gltf {
     /// All of it but the buffer.
     pub(crate) json: Value,

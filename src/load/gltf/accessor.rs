@@ -1,6 +1,6 @@
 //! glTF accessors read with checked arithmetic: every offset is proved inside its buffer first.
 
-use super::document::Buffers;
+use super::buffers::Buffers;
 use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gnomon_core::{Error, Result};

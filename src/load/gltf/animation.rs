@@ -20,7 +20,10 @@ pub(super) fn play(
 ) -> Result<HashMap<usize, Vec<f64>>> {
     let mut weights = HashMap::new();
     let Some(time) = wanted.time else { return Ok(weights) };
-    let File { document, buffers, nodes } = file;
+    for _ in 0..file.unread {
+        told.add("animation channel", "of other things than nodes: not played", "");
+    }
+    let File { document, buffers, nodes, .. } = file;
     let animation = chosen(place, document, wanted)?;
     for (i, channel) in animation.channels().enumerate() {
         let at = format!("{place}: animations[{}].channels[{i}]", animation.index());

@@ -1,6 +1,7 @@
 //! A glTF document with its buffers, checked and unpacked before anything is read from it.
 
 use super::super::files::Budget;
+use super::buffers::{Buffers, add_view};
 use super::nodes::Placed;
 use super::{draco, meshopt};
 use gltf::json;
@@ -12,36 +13,14 @@ use std::borrow::Cow;
 /// Bytes that an object of the JSON takes once it is parsed.
 const OBJECT: u64 = 1024;
 
-/// The buffers of a document; those of a GLB are borrowed from the file.
-pub(super) struct Buffers<'a> {
-    all: Vec<Cow<'a, [u8]>>,
-    /// Bytes that values which are in no buffer may take.
-    pub(super) most: u64,
-}
-
-impl<'a> Buffers<'a> {
-    /// The bytes of a buffer; none where there is no such one.
-    pub(super) fn of(&self, index: usize) -> &[u8] {
-        self.all.get(index).map_or(&[], |bytes| bytes)
-    }
-
-    fn push(&mut self, bytes: Vec<u8>) {
-        self.all.push(Cow::Owned(bytes));
-    }
-
-    /// The part of a buffer that a view shows, or that an extension of it names.
-    pub(super) fn range(&self, buffer: usize, offset: u64, length: u64) -> Option<&[u8]> {
-        let (start, end) = (usize::try_from(offset).ok()?, offset.checked_add(length)?);
-        self.of(buffer).get(start..usize::try_from(end).ok()?)
-    }
-}
-
 /// A checked document: nothing in it is compressed any more.
 pub(super) struct File<'a> {
     pub(super) document: gltf::Document,
     pub(super) buffers: Buffers<'a>,
     /// Transforms of the nodes as the JSON has them, in f64.
     pub(super) nodes: Vec<Placed>,
+    /// Channels of animations that move no node.
+    pub(super) unread: usize,
 }
 
 /// Parses a `.gltf` or `.glb`, reads its buffers and unpacks what is compressed.
@@ -51,7 +30,7 @@ pub(super) fn parse<'a>(place: &str, bytes: &'a [u8], budget: &mut Budget<'_>) -
         Error::bad_input(place, format!("is no usable glTF 2.0 ({e})"), "export it again")
     };
     let (text, chunk) = chunks(bytes).map_err(unusable)?;
-    let mut root = json::Root::from_slice(&text).map_err(|e| match is_first(&text) {
+    let (mut root, unread) = root(&text).map_err(|e| match is_first(&text) {
         true => super::super::format::first_gltf(place),
         false => unusable(e.to_string()),
     })?;
@@ -63,7 +42,54 @@ pub(super) fn parse<'a>(place: &str, bytes: &'a [u8], budget: &mut Budget<'_>) -
     draco::unpack(place, &mut root, &mut buffers, budget)?;
     zeros(&mut root, &mut buffers);
     let document = gltf::Document::from_json(root).map_err(|e| unusable(e.to_string()))?;
-    Ok(File { document, buffers, nodes })
+    Ok(File { document, buffers, nodes, unread })
+}
+
+/// The parsed JSON, and how many channels of animations it does not have any more: gltf 1.4 refuses those
+/// that move no node (`KHR_animation_pointer`), and scenes that draw none.
+fn root(text: &[u8]) -> std::result::Result<(json::Root, usize), serde_json::Error> {
+    let first = json::Root::from_slice(text);
+    let is_pointed = || text.windows(POINTER.len()).any(|word| word == POINTER);
+    if first.is_ok() && !is_pointed() {
+        return first.map(|root| (root, 0));
+    }
+    let mut json: serde_json::Value = serde_json::from_slice(text)?;
+    let list = |json: &mut serde_json::Value, key: &str| {
+        json.get_mut(key).and_then(|list| list.as_array_mut().map(std::mem::take))
+    };
+    let mut unread = 0;
+    let mut animations = list(&mut json, "animations").unwrap_or_default();
+    for animation in &mut animations {
+        let mut channels = list(animation, "channels").unwrap_or_default();
+        let all = channels.len();
+        channels.retain(|channel| moves_a_node(channel) == Some(true));
+        unread += all - channels.len();
+        put(animation, "channels", channels);
+    }
+    let channels = |animation: &serde_json::Value| animation.get("channels")?.as_array().cloned();
+    animations.retain(|animation| channels(animation).is_some_and(|all| !all.is_empty()));
+    let mut scenes = list(&mut json, "scenes").unwrap_or_default();
+    for scene in scenes.iter_mut().filter(|scene| scene.get("nodes").is_none()) {
+        put(scene, "nodes", Vec::new());
+    }
+    put(&mut json, "animations", animations);
+    put(&mut json, "scenes", scenes);
+    json::Root::from_slice(&serde_json::to_vec(&json)?).map(|root| (root, unread))
+}
+
+/// Sets a list of an object; what is none is left to the parser.
+fn put(json: &mut serde_json::Value, key: &str, list: Vec<serde_json::Value>) {
+    if let Some(map) = json.as_object_mut() {
+        map.insert(key.into(), list.into());
+    }
+}
+
+const POINTER: &[u8] = b"KHR_animation_pointer";
+
+fn moves_a_node(channel: &serde_json::Value) -> Option<bool> {
+    const PATHS: [&str; 4] = ["translation", "rotation", "scale", "weights"];
+    let target = channel.get("target")?;
+    Some(target.get("node")?.is_u64() && PATHS.contains(&target.get("path")?.as_str()?))
 }
 
 /// Bytes of memory that the objects of a JSON need, before they are made: `{}` is two bytes in the file
@@ -136,17 +162,24 @@ fn check(root: &mut json::Root) -> std::result::Result<(), String> {
 /// Extensions that a file may require: those that are read, and those that touch only materials,
 /// textures and data about the scene, which change no shadow.
 fn is_read(extension: &str) -> bool {
-    const READ: [&str; 8] = [
+    const READ: [&str; 7] = [
         "KHR_mesh_quantization",
         "KHR_lights_punctual",
         "KHR_draco_mesh_compression",
         "EXT_meshopt_compression",
         "KHR_meshopt_compression",
         "EXT_mesh_gpu_instancing",
-        "KHR_node_visibility",
         "KHR_animation_pointer",
     ];
-    const HARMLESS: [&str; 15] = [
+    const HARMLESS: [&str; 23] = [
+        "KHR_interactivity",
+        "KHR_node_",
+        "EXT_instance_features",
+        "EXT_mesh_features",
+        "EXT_mesh_manifold",
+        "EXT_structural_metadata",
+        "CESIUM_primitive_outline",
+        "OMI_",
         "KHR_technique",
         "KHR_materials_",
         "KHR_texture_",
@@ -231,29 +264,4 @@ fn read_buffers<'a>(
         buffers.push(bytes);
     }
     Ok(Buffers { all: buffers, most: budget.most_memory() / 16 })
-}
-
-/// Adds bytes as a buffer of their own under a view of all of them.
-pub(super) fn add_view(
-    root: &mut json::Root,
-    buffers: &mut Buffers<'_>,
-    bytes: Vec<u8>,
-) -> json::Index<json::buffer::View> {
-    let byte_length = USize64(bytes.len() as u64);
-    // The file's own buffers and these are numbered alike.
-    let extras = json::Extras::default;
-    buffers.push(bytes);
-    let buffer =
-        json::Buffer { byte_length, name: None, uri: None, extensions: None, extras: extras() };
-    let view = json::buffer::View {
-        buffer: json::Index::push(&mut root.buffers, buffer),
-        byte_length,
-        byte_offset: None,
-        byte_stride: None,
-        name: None,
-        target: None,
-        extensions: None,
-        extras: extras(),
-    };
-    json::Index::push(&mut root.buffer_views, view)
 }

@@ -1,7 +1,7 @@
 //! `KHR_draco_mesh_compression`: primitives decoded into buffers of their own, before the document is read.
 
 use super::super::files::Budget;
-use super::document::Buffers;
+use super::buffers::{Buffers, add_view};
 use draco_core::{
     DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder, PointAttribute, PointIndex,
 };
@@ -153,7 +153,7 @@ impl Unpacked<'_, '_> {
         count: usize,
         template: json::Accessor,
     ) -> Index<json::Accessor> {
-        let view = super::document::add_view(self.root, self.buffers, bytes);
+        let view = add_view(self.root, self.buffers, bytes);
         let count = USize64(count as u64);
         let accessor = json::Accessor {
             buffer_view: Some(view),

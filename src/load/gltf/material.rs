@@ -144,7 +144,10 @@ fn image(
     };
     let view = image.buffer_view.and_then(|view| file.document.views().nth(view.value()));
     let bytes = match (image.uri.as_deref(), view) {
-        (Some(uri), _) => budget.resource(&at, uri).map(Cow::Owned).map_err(|e| e.to_string()),
+        (Some(uri), _) => {
+            let missing = || "it is not beside the scene, or broken".to_string();
+            budget.resource(&at, uri).map(Cow::Owned).map_err(|_| missing())
+        }
         (None, Some(view)) => {
             let (buffer, range) = (view.buffer().index(), [view.offset(), view.length()]);
             let [offset, length] = range.map(|n| n as u64);

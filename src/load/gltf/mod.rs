@@ -2,6 +2,7 @@
 
 mod accessor;
 mod animation;
+mod buffers;
 mod document;
 mod draco;
 mod instancing;
@@ -30,9 +31,19 @@ pub(super) fn read(place: &str, bytes: &[u8], mut budget: Budget<'_>) -> Result<
     let worlds = nodes::worlds(&file.document, &file.nodes);
     let scene = LoadedScene::default();
     let (place, materials) = (place.to_string(), HashMap::new());
-    let meshes = HashMap::new();
-    let mut reader =
-        Reader { place, file: &file, worlds, weights, budget, scene, told, materials, meshes };
+    let (meshes, noted) = (HashMap::new(), Told::default());
+    let mut reader = Reader {
+        place,
+        file: &file,
+        worlds,
+        weights,
+        budget,
+        scene,
+        told,
+        noted,
+        materials,
+        meshes,
+    };
     reader.read_nodes()?;
     reader.tell();
     Ok(reader.scene)
@@ -47,7 +58,9 @@ struct Reader<'f, 'b> {
     weights: HashMap<usize, Vec<f64>>,
     budget: Budget<'b>,
     scene: LoadedScene,
+    /// What can change a shadow, and what cannot.
     told: Told,
+    noted: Told,
     /// Materials that have been read, by their numbers; that of none too.
     materials: HashMap<Option<usize>, material::Look>,
     /// Meshes that have been read: nodes that draw one in one pose share it.
@@ -110,8 +123,7 @@ impl<'f> Reader<'f, '_> {
                 return Err(self.bad(&at, reason, "give a unit quaternion, or leave it out"));
             }
             if nodes::is_hidden(&node) {
-                let reason = "is not visible: left out with what hangs on it";
-                self.scene.notes.push(format!("{at} {reason}"));
+                self.noted.add("node", "not visible: left out with what hangs on it", &at);
                 continue;
             }
             let world = self.worlds.get(node.index()).copied().unwrap_or_default();
@@ -130,8 +142,7 @@ impl<'f> Reader<'f, '_> {
 
     fn is_drawable(&mut self, at: &str, world: DMat4) -> Result<bool> {
         if nodes::draws_nothing(world) {
-            let reason = "is scaled to nothing: left out with what hangs on it";
-            self.scene.notes.push(format!("{at} {reason}"));
+            self.noted.add("node", "scaled to nothing: left out with what hangs on it", at);
             return Ok(false);
         }
         if world.is_finite() && world.determinant() != 0.0 {
@@ -184,7 +195,7 @@ impl<'f> Reader<'f, '_> {
         super::check_parts(&self.place, all)?;
         for &model in stands {
             if nodes::draws_nothing(model) || !model.is_finite() || model.determinant() == 0.0 {
-                self.told.add("instance", "scaled to nothing or not finite: left out", name);
+                self.noted.add("instance", "scaled to nothing or not finite: left out", name);
                 continue;
             }
             let name = format!("{name}#{}", self.scene.parts.len());
@@ -197,6 +208,7 @@ impl<'f> Reader<'f, '_> {
     /// What was counted, as sentences.
     fn tell(&mut self) {
         self.scene.skipped.extend(self.told.sentences());
+        self.scene.notes.extend(self.noted.sentences());
         let animations = self.file.document.animations().len();
         self.scene.file.animations = animations;
         self.scene.file.time = self.budget.wanted().time.map(|time| time.to_string());

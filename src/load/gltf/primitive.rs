@@ -23,8 +23,9 @@ pub(super) struct Key {
 /// Indices, where there are some, and the vertices that they name, where these are not all.
 type Corners = (Option<Vec<u32>>, Option<Vec<u32>>);
 
-/// Bytes that a vertex takes at most while it is read: in f64 where it is posed.
-const VERTEX: u64 = 160;
+/// Bytes that a vertex takes at most while it is read, and where it is posed, which is done in f64.
+const VERTEX: u64 = 48;
+const POSED: u64 = 160;
 
 impl<'f> Reader<'f, '_> {
     /// The shape and surface of a primitive under a node; `None` where there is nothing to draw.
@@ -126,7 +127,9 @@ impl<'f> Reader<'f, '_> {
         let (indices, keep) = self.corners(place, primitive, &accessor)?;
         let kept = keep.as_ref().map_or(accessor.count(), Vec::len) as u64;
         self.budget.vertices(place, kept)?;
-        self.budget.memory(place, kept.saturating_mul(VERTEX))?;
+        let moves = skin.is_some() || weights.iter().any(|w| *w != 0.0);
+        let each = if moves { POSED } else { VERTEX };
+        self.budget.memory(place, kept.saturating_mul(each))?;
         let file = self.file;
         let source = Source { place, buffers: &file.buffers, keep: keep.as_deref() };
         let positions = source.vectors::<3>("positions", &accessor)?;
@@ -141,7 +144,6 @@ impl<'f> Reader<'f, '_> {
             }
             None => Vec::new(),
         };
-        let moves = skin.is_some() || weights.iter().any(|w| *w != 0.0);
         let positions = match moves {
             true => {
                 let wide = |v: Vec<[f32; 3]>| -> Vec<DVec3> {

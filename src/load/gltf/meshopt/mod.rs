@@ -8,7 +8,7 @@ mod indices;
 mod vertices;
 
 use super::super::files::Budget;
-use super::document::{Buffers, add_view};
+use super::buffers::{Buffers, add_view};
 use gltf::json;
 use gnomon_core::{Error, Result};
 use serde_json::Value;
