@@ -257,6 +257,8 @@ impl Reader<'_> {
             kind,
             position: position(world),
             direction: axis(world, DVec3::NEG_Z),
+            range: light.range().map(f64::from),
+            shadow: None,
         });
     }
 
