@@ -73,9 +73,9 @@ fn main() -> ExitCode {
 fn body(args: &Args) -> Result<()> {
     args.common.start()?;
     let plan = Plan {
-        cases: match args.scene.case()? {
-            Some(own) => vec![own],
-            None => plan::cases_named(&args.case)?,
+        cases: match args.scene.cases()? {
+            own if own.is_empty() => plan::cases_named(&args.case)?,
+            own => own,
         },
         sizes: args.map.clone(),
         formats: args.format.iter().map(|f| plan::format_named(f)).collect::<Result<_>>()?,

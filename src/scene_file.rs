@@ -50,7 +50,7 @@ fn settings_of(path: &Path) -> Result<Settings> {
 /// A scene file and its light on the command line; flatten it into a binary's arguments.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct SceneFile {
-    /// A scene file of your own (.gltf, .glb, .obj, .ply, .stl); settings from the .toml beside it, if there is one
+    /// A scene file of your own (.gltf, .glb, .obj, .ply, .stl, three.js' .json); settings from the .toml beside it, if there is one
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Leave damaged triangles and nodes of the scene out, and count them in the report
@@ -74,6 +74,18 @@ pub struct SceneFile {
     /// Settings from this TOML file instead
     #[arg(long, value_name = "FILE", requires = "scene")]
     pub config: Option<PathBuf>,
+    /// A light of the scene file by name or number; `all` gives one verdict each
+    #[arg(long, value_name = "NAME", requires = "scene", conflicts_with_all = ["light_dir", "light_pos"])]
+    pub light: Option<String>,
+    /// A camera of the scene file by name or number
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub camera: Option<String>,
+    /// Add a receiver plane under the scene
+    #[arg(long, requires = "scene")]
+    pub ground: bool,
+    /// Fit light and camera to this object; everything still casts
+    #[arg(long, value_name = "NODE", requires = "scene")]
+    pub focus: Option<String>,
     /// Directional light shining along this direction
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, requires = "scene", allow_hyphen_values = true)]
     pub light_dir: Option<[f64; 3]>,
@@ -117,22 +129,34 @@ impl SceneFile {
     /// scene file, and what nobody says is fitted to the geometry.
     ///
     /// # Errors
-    /// [`Error::BadInput`] or [`Error::Read`] in one sentence.
+    /// [`Error::BadInput`] or [`Error::Read`] in one sentence; where several lights are asked for.
     pub fn case(&self) -> Result<Option<Case>> {
-        self.case_with(|_| {})
+        let mut cases = self.cases()?;
+        if cases.len() > 1 {
+            let fix = "name one of them; gnomon-report and gnomon-sweep take all";
+            return Err(Error::bad_input("--light all", "asks for several lights", fix));
+        }
+        Ok(cases.pop())
     }
 
-    fn case_with(&self, change: impl FnOnce(&mut Settings)) -> Result<Option<Case>> {
-        let Some(path) = &self.scene else { return Ok(None) };
+    /// The cases of the scene file: one, or one for each light where all are asked for; none without a
+    /// scene file.
+    ///
+    /// # Errors
+    /// As [`Self::case`].
+    pub fn cases(&self) -> Result<Vec<Case>> {
+        self.cases_with(|_| {})
+    }
+
+    fn cases_with(&self, change: impl FnOnce(&mut Settings)) -> Result<Vec<Case>> {
+        let Some(path) = &self.scene else { return Ok(Vec::new()) };
         let beside = path.with_extension("toml");
         let mut settings = match &self.config {
             Some(config) => settings_of(config)?,
             None if beside.exists() => settings_of(&beside)?,
             None => Settings::default(),
         };
-        if self.light_dir.is_some() || self.light_pos.is_some() {
-            settings.override_light(self.light_dir, self.light_pos);
-        }
+        self.override_settings(&mut settings);
         change(&mut settings);
         let name = path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned());
         let memory = memory::budget();
@@ -147,11 +171,28 @@ impl SceneFile {
         let summary = scene.summary();
         let file = path.file_name().map_or_else(|| name.clone(), |f| f.to_string_lossy().into());
         scene.notes.insert(0, summary.line(&file));
-        let case = fit::case(&name, scene, &settings)?;
-        if self.dry_run {
-            show(&summary, &case);
+        let cases = fit::cases(&name, scene, &settings)?;
+        if let (true, Some(case)) = (self.dry_run, cases.first()) {
+            show(&summary, case);
         }
-        Ok(Some(case))
+        Ok(cases)
+    }
+
+    fn override_settings(&self, settings: &mut Settings) {
+        if self.light_dir.is_some() || self.light_pos.is_some() {
+            settings.override_light(self.light_dir, self.light_pos);
+        }
+        if let Some(name) = &self.light {
+            settings.choose_light(name);
+        }
+        if let Some(name) = &self.camera {
+            settings.choose_camera(name);
+        }
+        settings.ground |= self.ground;
+        if self.focus.is_some() {
+            settings.focus.clone_from(&self.focus);
+            settings.origin.override_by("focus", "--focus");
+        }
     }
 }
 
@@ -166,12 +207,12 @@ fn show(summary: &Summary, case: &Case) -> ! {
 }
 
 impl UserScene {
-    /// [`SceneFile::case`] with the map and bias of these flags.
+    /// [`SceneFile::cases`] with the map and bias of these flags.
     ///
     /// # Errors
-    /// As [`SceneFile::case`].
-    pub fn case(&self) -> Result<Option<Case>> {
-        self.file.case_with(|settings| {
+    /// As [`SceneFile::cases`].
+    pub fn cases(&self) -> Result<Vec<Case>> {
+        self.file.cases_with(|settings| {
             let flags = [
                 ("map.size", "--map", self.map.is_some()),
                 ("map.format", "--format", self.format.is_some()),
@@ -180,7 +221,7 @@ impl UserScene {
             for (key, flag, _) in flags.into_iter().filter(|flag| flag.2) {
                 settings.origin.override_by(key, &format!("{flag} ({key})"));
             }
-            settings.map.size = self.map.or(settings.map.size);
+            settings.map.size = self.map.map(|side| [side; 2]).or(settings.map.size);
             settings.map.format = self.format.clone().or(settings.map.format.take());
             settings.lookup.bias = self.bias.or(settings.lookup.bias);
         })

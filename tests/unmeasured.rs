@@ -33,7 +33,8 @@ fn nothing() -> Vec<(Case, &'static str)> {
     let sun = "[light]\ndirection = [1, -2, 0.5]\n";
     let narrow = "[light]\nposition = [0, 3, 0]\ntarget = [90, 3, 0]\nfovy = 5\n";
     let corner = "[light]\nposition = [0, 5, 0]\ntarget = [-1.9, 0, -1.9]\nfovy = 2\n";
-    let small = "[light]\ndirection = [0, -1, 0]\nnear = 1\nfar = 1.5\n";
+    let small =
+        "[light]\nposition = [0, 3, 0]\ntarget = [0, 0, 0]\nwidth = 8\nnear = 1\nfar = 1.5\n";
     let away = "[camera]\nposition = [0, 1, 0]\ntarget = [0, 9, 0]\n";
     vec![
         (case(&["v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"], &[HEAD, sun]), "face away"),

@@ -348,7 +348,7 @@ impl<'a> Observer<'a> {
     #[must_use]
     pub fn seen_normal(&self, receiver: &Receiver) -> DVec3 {
         let normal = self.geometry.area_normal(receiver.triangle);
-        let to_camera = self.case().camera.view.position - receiver.position;
+        let to_camera = self.case().camera.towards(receiver.position);
         if normal.dot(to_camera) < 0.0 { -normal } else { normal }
     }
 

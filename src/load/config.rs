@@ -1,12 +1,17 @@
 //! The small TOML beside a scene file: light, camera, map and look-up that the file does not say.
 
+mod camera;
+mod light;
 mod origin;
 mod strict;
 
+pub use camera::{CameraSettings, CameraType};
 use gnomon_core::depth::{DepthFormat, Packing};
 use gnomon_core::device::DeviceProfile;
 use gnomon_core::scene::{CompareRule, CullRule, Filter, TexelFormat, Wrap};
 use gnomon_core::{Error, Result};
+pub(crate) use light::no_cube;
+pub use light::{LightSettings, LightType};
 pub use origin::Origin;
 use serde::Deserialize;
 use std::str::FromStr;
@@ -26,6 +31,10 @@ pub struct Settings {
     /// Width and height of the picture in pixels.
     #[serde(deserialize_with = "strict::pair")]
     pub canvas: Option<[u32; 2]>,
+    /// Whether a receiver plane is added under the scene.
+    pub ground: bool,
+    /// The object that light and camera are fitted to, instead of all; everything still casts.
+    pub focus: Option<String>,
     /// Device profile.
     pub device: Option<String>,
     /// Where they were written.
@@ -33,66 +42,13 @@ pub struct Settings {
     pub origin: Origin,
 }
 
-/// A light: a direction makes it directional, a position a spot.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LightSettings {
-    /// Where a directional light shines.
-    #[serde(deserialize_with = "strict::vector")]
-    pub direction: Option<[f64; 3]>,
-    /// Where a spot stands.
-    #[serde(deserialize_with = "strict::vector")]
-    pub position: Option<[f64; 3]>,
-    /// What a spot looks at.
-    #[serde(deserialize_with = "strict::vector")]
-    pub target: Option<[f64; 3]>,
-    /// Up of the map.
-    #[serde(deserialize_with = "strict::vector")]
-    pub up: Option<[f64; 3]>,
-    /// Field of view of a spot in degrees.
-    #[serde(deserialize_with = "strict::number")]
-    pub fovy: Option<f64>,
-    /// Width of a directional light's box.
-    #[serde(deserialize_with = "strict::number")]
-    pub width: Option<f64>,
-    /// Near plane.
-    #[serde(deserialize_with = "strict::number")]
-    pub near: Option<f64>,
-    /// Far plane.
-    #[serde(deserialize_with = "strict::number")]
-    pub far: Option<f64>,
-}
-
-/// A camera.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct CameraSettings {
-    /// The eye.
-    #[serde(deserialize_with = "strict::vector")]
-    pub position: Option<[f64; 3]>,
-    /// What it looks at.
-    #[serde(deserialize_with = "strict::vector")]
-    pub target: Option<[f64; 3]>,
-    /// Up.
-    #[serde(deserialize_with = "strict::vector")]
-    pub up: Option<[f64; 3]>,
-    /// Vertical field of view in degrees.
-    #[serde(deserialize_with = "strict::number")]
-    pub fovy: Option<f64>,
-    /// Near plane.
-    #[serde(deserialize_with = "strict::number")]
-    pub near: Option<f64>,
-    /// Far plane.
-    #[serde(deserialize_with = "strict::number")]
-    pub far: Option<f64>,
-}
-
 /// A map.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MapSettings {
-    /// Texels per side.
-    pub size: Option<u32>,
+    /// Width and height in texels; one number makes a square.
+    #[serde(deserialize_with = "strict::size")]
+    pub size: Option<[u32; 2]>,
     /// Name of a depth format or packing.
     pub format: Option<String>,
     /// Faces left out of the map: none, front, back.
@@ -129,17 +85,34 @@ impl Settings {
         Ok(settings)
     }
 
-    /// A light of the command line stands above the file's, whose keys for the other kind of light go.
+    /// A light of the command line stands above the file's, whose keys for another light go.
     pub fn override_light(&mut self, direction: Option<[f64; 3]>, position: Option<[f64; 3]>) {
-        if direction.is_some() {
-            (self.light.target, self.light.fovy) = (None, None);
-        }
-        if position.is_some() {
-            self.light.width = None;
-        }
-        (self.light.direction, self.light.position) = (direction, position);
+        let LightSettings { up, near, far, fovy, range, width, height, .. } = self.light;
+        let kept = LightSettings { direction, position, up, near, far, ..LightSettings::default() };
+        self.light = match position {
+            Some(_) => LightSettings { fovy, range, ..kept },
+            None => LightSettings { width, height, ..kept },
+        };
         self.origin.override_by("light.direction", "--light-dir (light.direction)");
         self.origin.override_by("light.position", "--light-pos (light.position)");
+    }
+
+    /// A light of the scene file, chosen on the command line, stands above the settings' own.
+    pub fn choose_light(&mut self, name: &str) {
+        let LightSettings { up, near, far, fovy, range, width, height, .. } = self.light;
+        let name = Some(name.to_string());
+        let of_map =
+            LightSettings { up, near, far, fovy, range, width, height, ..Default::default() };
+        self.light = LightSettings { name, ..of_map };
+        self.origin.override_by("light.name", "--light (light.name)");
+    }
+
+    /// A camera of the scene file, chosen on the command line, stands above the settings' own.
+    pub fn choose_camera(&mut self, name: &str) {
+        let CameraSettings { near, far, .. } = self.camera;
+        let name = Some(name.to_string());
+        self.camera = CameraSettings { name, near, far, ..CameraSettings::default() };
+        self.origin.override_by("camera.name", "--camera (camera.name)");
     }
 
     /// Refuses the first of the given `keys` that is there: it would say nothing.
@@ -186,7 +159,12 @@ impl Settings {
     }
 }
 
-fn parsed<T: FromStr<Err = Error>>(key: &str, text: &Option<String>, default: T) -> Result<T> {
+/// The member called `text`, or the default.
+pub(crate) fn parsed<T: FromStr<Err = Error>>(
+    key: &str,
+    text: &Option<String>,
+    default: T,
+) -> Result<T> {
     text.as_ref().map_or(Ok(default), |text| {
         text.parse().map_err(|e| {
             let Error::BadInput { place, reason, fix } = e else { return e };

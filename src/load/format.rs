@@ -10,6 +10,7 @@ pub(super) enum Format {
     Obj,
     Ply,
     Stl,
+    Three,
 }
 
 impl Format {
@@ -20,6 +21,7 @@ impl Format {
             Self::Obj => "OBJ",
             Self::Ply => "PLY",
             Self::Stl => "STL",
+            Self::Three => "three.js JSON",
         }
     }
 }
@@ -142,6 +144,13 @@ fn foreign(bytes: &[u8], extension: &str) -> Option<(&'static str, &'static str)
     }
 }
 
+/// Whether a JSON is what three.js' `toJSON` writes, whose `metadata` come first, and no glTF.
+fn is_three(begin: &[u8], extension: &str) -> bool {
+    let head = String::from_utf8_lossy(begin.get(..begin.len().min(2048)).unwrap_or_default());
+    let names = |key: &str| head.contains(key);
+    names("\"metadata\"") && !names("\"asset\"") || extension == "json" && !names("\"asset\"")
+}
+
 /// The format of a file.
 ///
 /// # Errors
@@ -154,6 +163,7 @@ pub(super) fn of(path: &Path, bytes: &[u8]) -> Result<Format> {
     }
     let begin = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     match begin {
+        [b'{', ..] if is_three(begin, &extension) => return Ok(Format::Three),
         [b'g', b'l', b'T', b'F', ..] | [b'{', ..] => return Ok(Format::Gltf),
         [b'p', b'l', b'y', b'\n' | b'\r', ..] => return Ok(Format::Ply),
         _ => {}
@@ -167,7 +177,7 @@ pub(super) fn of(path: &Path, bytes: &[u8]) -> Result<Format> {
         _ => Err(Error::bad_input(
             place,
             format!("'.{extension}' is no scene format known here"),
-            "give a .gltf, .glb, .obj, .ply or .stl file",
+            "give a .gltf, .glb, .obj, .ply or .stl file, or three.js' scene.toJSON() as .json",
         )),
     }
 }
@@ -182,6 +192,9 @@ mod tests {
         assert_eq!(read("a.obj", b"ply\nformat").ok(), Some(Format::Ply));
         assert_eq!(read("a.txt", b" {\"asset\":{}}").ok(), Some(Format::Gltf));
         assert_eq!(read("a.obj", b"glTF\x02\0\0\0\0\0\0\0").ok(), Some(Format::Gltf));
+        let three = br#"{"metadata":{"version":4.7,"type":"Object"},"object":{}}"#;
+        assert_eq!(read("a.txt", three).ok(), Some(Format::Three));
+        assert_eq!(read("a.json", b"{}").ok(), Some(Format::Three));
         assert_eq!(read("a.OBJ", b"v 0 0 0").ok(), Some(Format::Obj));
         assert_eq!(read("a", b"solid x\n facet normal 0 0 1\n").ok(), Some(Format::Stl));
         let mut three_ds = b"MM\x10\0\0\0".to_vec();

@@ -1,5 +1,5 @@
-//! Scene files: glTF 2.0 (`.gltf`, `.glb`), Wavefront OBJ, PLY and STL, read under limits and refused in
-//! one sentence; other formats are named, with how to convert them.
+//! Scene files: glTF 2.0 (`.gltf`, `.glb`), Wavefront OBJ, PLY, STL and three.js' scene JSON, read under
+//! limits and refused in one sentence; other formats are named, with how to convert them.
 //!
 //! What changes a shadow is read: geometry with its normals in the pose that the file or a time gives,
 //! sides and alpha masks of materials, every light and camera; nothing else of materials. Files named
@@ -23,6 +23,7 @@ mod repair;
 mod stl_file;
 mod strips;
 pub mod summary;
+mod three;
 mod told;
 
 use files::Budget;
@@ -44,6 +45,9 @@ pub struct LoadedScene {
     pub lights: Vec<LoadedLight>,
     /// Every camera of the file, in its order.
     pub cameras: Vec<LoadedCamera>,
+    /// The faces that the file's engine leaves out of maps, as `map.cull` names them; none where the file
+    /// says nothing of it.
+    pub cull: Option<&'static str>,
     /// What was left out, or taken otherwise than an engine would, and can change a shadow, each as a
     /// sentence that is said once.
     pub skipped: Vec<String>,
@@ -99,6 +103,31 @@ pub struct LoadedLight {
     pub position: DVec3,
     /// Where it shines, unit length.
     pub direction: DVec3,
+    /// How far a spot or point light reaches in world units, if the file says so.
+    pub range: Option<f64>,
+    /// What the file says of its map.
+    pub shadow: Option<LoadedShadow>,
+}
+
+/// A light's map as the file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedShadow {
+    /// Left, right, bottom and top of a directional light's box from its line of sight, world units.
+    pub sides: Option<[f64; 4]>,
+    /// Vertical field of view of a spot's map in degrees, where it is not the cone's angle.
+    pub fovy_degrees: Option<f64>,
+    /// Near plane, from the light.
+    pub near: f64,
+    /// Far plane, from the light.
+    pub far: f64,
+    /// Width and height in texels.
+    pub size: Option<[u32; 2]>,
+    /// Constant bias in window depth; positive repairs acne.
+    pub bias: Option<f32>,
+    /// Normal offset in the engine's own unit.
+    pub normal_bias: f64,
+    /// Filter radius in the engine's own unit.
+    pub radius: f64,
 }
 
 /// A camera's lens.
@@ -161,6 +190,7 @@ pub fn read(
         Format::Obj => obj_file::read(&place, bytes, budget)?,
         Format::Ply => ply_file::read(&place, bytes, budget)?,
         Format::Stl => stl_file::read(&place, bytes, budget)?,
+        Format::Three => three::read(&place, bytes, budget)?,
     };
     scene.file.format = format.name();
     let triangles: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
@@ -189,8 +219,8 @@ fn check_parts(place: &str, count: usize) -> Result<()> {
 fn in_range(place: &str, scene: &LoadedScene) -> Result<()> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for Part { name, mesh, model, .. } in &scene.parts {
-        for (i, position) in mesh.positions.iter().enumerate() {
-            let p = model.transform_point3(position.as_dvec3());
+        for i in 0..mesh.positions.len() {
+            let p = model.transform_point3(mesh.at(i));
             range::point(|| format!("{place}: part '{name}': vertex {i} in the world"), p)?;
             (low, high) = (low.min(p), high.max(p));
         }

@@ -74,7 +74,7 @@ fn map(direction: [f64; 3], place: &dyn Fn(Vec3) -> Vec3) -> Vec<f32> {
     let scene = LoadedScene { parts, ..LoadedScene::default() };
     let mut settings = Settings::default();
     settings.light.direction = Some(direction);
-    settings.map.size = Some(64);
+    settings.map.size = Some([64; 2]);
     let case = fit::case("up", scene, &settings).expect("a light along an axis is fitted");
     let device = DeviceProfile::Ideal.device();
     let vertices = Transformed::new(&case, case.chain, &device);

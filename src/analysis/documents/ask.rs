@@ -41,40 +41,44 @@ impl Ask {
     /// # Errors
     /// As reading and writing them.
     pub fn options(&self, profile: Profile, seed: u64) -> Result<Options> {
-        let mut one = self.one()?;
-        let captured = match &mut one {
-            Some(case) => self.captured.apply(case, self.scene.file.scene.is_some())?,
-            None if self.captured.map_file.is_none() && self.save_map.is_none() => None,
-            None => {
-                let fix = "give --case or --scene";
+        let mut asked = self.asked()?;
+        let captured = match asked.as_mut_slice() {
+            [case] => self.captured.apply(case, self.scene.file.scene.is_some())?,
+            _ if self.captured.map_file.is_none() && self.save_map.is_none() => None,
+            _ => {
+                let fix = "give --case, or --scene with one light";
                 return Err(Error::bad_input("--map-file, --save-map", "belong to one case", fix));
             }
         };
-        if let Some(case) = &one {
+        for case in &asked {
             let step = Options { profile, ..Options::default() }.step();
             Need::REPORT.check(case, step)?;
         }
-        if let (Some(path), Some(case)) = (&self.save_map, &one) {
+        if let (Some(path), [case]) = (&self.save_map, asked.as_slice()) {
             let device = case.device.device();
             captured::write(&Subject::draw(case, &device).map, &device, path)?;
         }
         Ok(Options {
             profile,
             seed,
-            which: one.map_or(Which::All, |case| Which::Own(Box::new(case))),
+            which: match asked.len() {
+                0 => Which::All,
+                1 => asked.pop().map_or(Which::All, |case| Which::Own(Box::new(case))),
+                _ => Which::Each(asked),
+            },
             device: self.device,
             effort: self.effort.effort(),
             captured,
         })
     }
 
-    /// The one case asked for, on the device asked for.
-    fn one(&self) -> Result<Option<Case>> {
-        let case = match (self.scene.case()?, &self.case) {
-            (Some(own), _) => Some(own),
-            (None, Some(name)) => Some(cases::named(name)?),
-            (None, None) => None,
-        };
-        Ok(case.map(|case| Case { device: self.device.unwrap_or(case.device), ..case }))
+    /// The cases asked for, on the device asked for; none where nobody asks.
+    fn asked(&self) -> Result<Vec<Case>> {
+        let mut list = self.scene.cases()?;
+        if let (true, Some(name)) = (list.is_empty(), &self.case) {
+            list.push(cases::named(name)?);
+        }
+        list.iter_mut().for_each(|case| case.device = self.device.unwrap_or(case.device));
+        Ok(list)
     }
 }

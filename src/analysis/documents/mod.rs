@@ -53,6 +53,8 @@ pub enum Which {
     Named(String),
     /// A user's own.
     Own(Box<Case>),
+    /// One for each light of a user's own.
+    Each(Vec<Case>),
 }
 
 impl Default for Options {
@@ -87,6 +89,7 @@ impl Options {
             Which::All => cases::main_job(),
             Which::Named(name) => vec![cases::named(name)?],
             Which::Own(case) => vec![Case::clone(case)],
+            Which::Each(cases) => cases.clone(),
         };
         if let Some(device) = self.device {
             list.iter_mut().for_each(|case| case.device = device);

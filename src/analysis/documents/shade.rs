@@ -118,7 +118,7 @@ fn normal(observer: &Observer<'_>, o: &Observation) -> DVec3 {
         return normals.shading;
     }
     let normal = observer.geometry.area_normal(o.receiver.triangle);
-    let to_camera = observer.case().camera.view.position - o.receiver.position;
+    let to_camera = observer.case().camera.towards(o.receiver.position);
     let unit = normal / length(normal);
     if unit.dot(to_camera) < 0.0 { -unit } else { unit }
 }
@@ -130,7 +130,7 @@ fn facing(observer: &Observer<'_>, o: &Observation) -> f64 {
 
 /// A Blinn highlight of exponent 32 and strength 0.3.
 fn highlight(observer: &Observer<'_>, o: &Observation) -> f64 {
-    let to_camera = observer.case().camera.view.position - o.receiver.position;
+    let to_camera = observer.case().camera.towards(o.receiver.position);
     let half =
         observer.case().light.direction_from(o.receiver.position) + to_camera / length(to_camera);
     let cosine = normal(observer, o).dot(half / length(half)).max(0.0);

@@ -23,6 +23,19 @@ impl Viewport {
     pub const fn whole(layer: u16) -> Self {
         Self { layer, low: [0; 2], high: [1; 2], parts: 1 }
     }
+
+    /// A texture of its own of so many texels wide and high, in its shortest terms; at least one each.
+    #[must_use]
+    pub const fn rectangle(size: [u32; 2]) -> Self {
+        let (mut a, mut b) = (size[0], size[1]);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        let common = if a == 0 { 1 } else { a };
+        let high = [size[0] / common, size[1] / common];
+        let parts = if high[0] > high[1] { high[0] } else { high[1] };
+        Self { layer: 0, low: [0; 2], high, parts }
+    }
 }
 
 /// A map of a light. What its matrices are made of can be changed at will: they are formed where they are

@@ -28,6 +28,13 @@ impl Mesh {
         Self { positions, triangles, colours: vec![colour], ..Self::default() }
     }
 
+    /// Vertex `v` as the file gives it, in f64; the origin beyond the last.
+    #[must_use]
+    pub fn at(&self, v: usize) -> DVec3 {
+        let rounded = || self.positions.get(v).map(|p| p.as_dvec3());
+        self.exact.get(v).copied().or_else(rounded).unwrap_or_default()
+    }
+
     /// The colour of vertex `v`.
     #[must_use]
     pub fn colour(&self, v: u32) -> Vec3 {

@@ -34,6 +34,20 @@ pub(super) fn pair<'de, D: Deserializer<'de>>(d: D) -> Result<Option<[u32; 2]>, 
     exactly(Vec::<u32>::deserialize(d)?).map(Some)
 }
 
+/// A whole number twice, or two whole numbers.
+pub(super) fn size<'de, D: Deserializer<'de>>(d: D) -> Result<Option<[u32; 2]>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "give a whole number of texels, or [width, height]")]
+    enum Size {
+        Square(u32),
+        Sides(Vec<u32>),
+    }
+    match Size::deserialize(d)? {
+        Size::Square(side) => Ok(Some([side; 2])),
+        Size::Sides(sides) => exactly(sides).map(Some),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::config::Settings;
@@ -49,7 +63,8 @@ mod tests {
             ("[camera]\nfovy = inf", 2, "inf is not finite"),
             ("[light]\nwidth = -nan", 2, "NaN is not finite"),
             ("[lookup]\nbias = 1e39", 2, "overflows f32"),
-            ("[map]\nsize = -4", 2, "-4"),
+            ("[map]\nsize = -4", 2, "whole number"),
+            ("[map]\nsize = [1, 2, 3]", 2, "has 3 numbers, give exactly 2"),
         ] {
             let complaint = Settings::parse("s.toml", text).expect_err(text).to_string();
             let place = format!("s.toml: line {line}: ");

@@ -18,6 +18,8 @@ pub(super) fn light(node: &gltf::Node<'_>, light: &Light<'_>, world: DMat4) -> L
         kind,
         position: position(world),
         direction: axis(world, DVec3::NEG_Z),
+        range: light.range().map(f64::from),
+        shadow: None,
     }
 }
 
