@@ -86,6 +86,9 @@ pub struct SceneFile {
     /// Fit light and camera to this object; everything still casts
     #[arg(long, value_name = "NODE", requires = "scene")]
     pub focus: Option<String>,
+    /// Order in which matrices multiply: combined, model-view, world, bias-matrix
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub chain: Option<String>,
     /// Directional light shining along this direction
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, requires = "scene", allow_hyphen_values = true)]
     pub light_dir: Option<[f64; 3]>,
@@ -189,6 +192,10 @@ impl SceneFile {
             settings.choose_camera(name);
         }
         settings.ground |= self.ground;
+        if self.chain.is_some() {
+            settings.pipeline.chain.clone_from(&self.chain);
+            settings.origin.override_by("pipeline.chain", "--chain (pipeline.chain)");
+        }
         if self.focus.is_some() {
             settings.focus.clone_from(&self.focus);
             settings.origin.override_by("focus", "--focus");

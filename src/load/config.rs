@@ -28,6 +28,8 @@ pub struct Settings {
     pub map: MapSettings,
     /// The look-up.
     pub lookup: LookupSettings,
+    /// What else the program does.
+    pub pipeline: PipelineSettings,
     /// Width and height of the picture in pixels.
     #[serde(deserialize_with = "strict::pair")]
     pub canvas: Option<[u32; 2]>,
@@ -68,6 +70,14 @@ pub struct LookupSettings {
     pub compare: Option<String>,
     /// What happens outside the map.
     pub wrap: Option<String>,
+}
+
+/// The arithmetic of the program.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PipelineSettings {
+    /// Order in which matrices multiply, by the name of its chain.
+    pub chain: Option<String>,
 }
 
 impl Settings {

@@ -6,11 +6,11 @@ mod cone;
 mod light;
 mod parallel;
 
-use super::config::Settings;
+use super::config::{Settings, parsed};
 use super::{LoadedScene, Part};
 use bounds::Bounds;
 pub use bounds::GROUND;
-use glam::DVec3;
+use glam::{DVec3, Mat4};
 use gnomon_core::scene::chain::MatrixChain;
 use gnomon_core::scene::{
     Case, CoordForm, Cull, DepthBuffer, LookupSpec, MapSpec, Object, Shading, TexelFormat,
@@ -127,9 +127,9 @@ fn fitted(name: &str, mut scene: LoadedScene, settings: &Settings) -> Result<Cas
         }),
         (Some(_) | None, _) => own_cull,
     };
-    let chain = MatrixChain::World;
+    let chain = parsed("pipeline.chain", &settings.pipeline.chain, MatrixChain::World)?;
     let object = |Part { name, mesh, model, surface }| {
-        Object::new(shown(&name), mesh, model.as_mat4()).with_surface(surface)
+        Object::new(shown(&name), mesh, Mat4::IDENTITY).placed(model).with_surface(surface)
     };
     let texel = settings.texel()?;
     Ok(Case {

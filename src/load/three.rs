@@ -206,11 +206,6 @@ impl<'a> SceneReader<'a, '_, '_> {
 
     /// The scene with what there is to say of it.
     fn finished(mut self) -> LoadedScene {
-        let told = std::mem::take(&mut self.told);
-        self.scene.skipped.extend(told.into_iter().map(|(reason, names)| match names.as_slice() {
-            [name] => format!("{reason}: '{name}'"),
-            names => format!("{reason}: {} of them", names.len()),
-        }));
         let Flags { meshes, casts, receives, idle_lights } = self.flags;
         for (count, word) in [(casts, "cast"), (receives, "receive")] {
             if count == 0 && meshes > 0 {
@@ -219,6 +214,11 @@ impl<'a> SceneReader<'a, '_, '_> {
                 ));
             }
         }
+        let told = std::mem::take(&mut self.told);
+        self.scene.skipped.extend(told.into_iter().map(|(reason, names)| match names.as_slice() {
+            [name] => format!("{reason}: '{name}'"),
+            names => format!("{reason}: {} of them", names.len()),
+        }));
         if self.scene.lights.is_empty() && !idle_lights.is_empty() {
             self.scene.skipped.push(
                 "no light of the scene has castShadow: it is measured as if it had".to_string(),

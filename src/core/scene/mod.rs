@@ -22,7 +22,7 @@ pub use builder::{CaseBuilder, LARGEST_SIDE};
 pub use chain::{Matrices, MatrixChain, Stages};
 pub use disk::TurnedDisk;
 pub use filter::{Filter, FilterKernel};
-use glam::{DVec3, Mat4, Vec3};
+use glam::{DMat4, DVec3, Mat4};
 pub use pipeline::{CompareRule, CoordForm, Cull, CullRule, LookupSpec, MapSpec, Wrap};
 pub use shapes::Mesh;
 use std::sync::Arc;
@@ -35,7 +35,8 @@ pub use texel::{DepthBuffer, TexelFormat};
 /// its id everywhere (maps, EXR channels, verdicts).
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// World positions; exact where the model matrix only translates, else rounded to f64.
+    /// World positions of the vertices as they were given, before any rounding to f32; exact where the
+    /// model matrix only translates, else rounded to f64.
     pub positions: Vec<DVec3>,
     /// Vertex indices, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
@@ -74,6 +75,8 @@ pub struct Object {
     pub model: Mat4,
     /// How it is drawn.
     pub surface: Surface,
+    /// The model matrix before it was rounded to f32, where somebody knows it.
+    exact: Option<Box<DMat4>>,
     uploaded: Option<Box<Uploaded>>,
 }
 
@@ -90,7 +93,23 @@ impl Object {
     #[must_use]
     pub fn new(name: impl Into<String>, mesh: impl Into<Arc<Mesh>>, model: Mat4) -> Self {
         let surface = Surface::default();
-        Self { name: name.into(), mesh: mesh.into(), model, surface, uploaded: None }
+        Self { name: name.into(), mesh: mesh.into(), model, surface, exact: None, uploaded: None }
+    }
+
+    /// This object where an f64 matrix places it: truth sees that place, the subject the matrix rounded to
+    /// f32.
+    #[must_use]
+    pub fn placed(mut self, model: DMat4) -> Self {
+        self.model = model.as_mat4();
+        self.exact = Some(Box::new(model));
+        self
+    }
+
+    /// World from model in f64: as it was given, unless `model` was changed since.
+    #[must_use]
+    pub fn exact_model(&self) -> DMat4 {
+        let given = self.exact.as_deref().copied();
+        given.filter(|exact| exact.as_mat4() == self.model).unwrap_or_else(|| self.model.as_dmat4())
     }
 
     /// This object, drawn in another way.
@@ -201,9 +220,9 @@ impl Case {
         let mut geometry = Geometry { surfaces, ..Geometry::default() };
         for (index, object) in self.objects.iter().enumerate() {
             let first = geometry.positions.len() as u32;
-            let model = object.model.as_dmat4();
-            let world = |p: &Vec3| model.transform_point3(p.as_dvec3());
-            geometry.positions.extend(object.mesh.positions.iter().map(world));
+            let model = object.exact_model();
+            let world = |v: usize| model.transform_point3(object.mesh.at(v));
+            geometry.positions.extend((0..object.mesh.positions.len()).map(world));
             geometry.triangles.extend(object.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
             let triangles = object.mesh.triangles.len();
             geometry.object.extend(std::iter::repeat_n(index as u16, triangles));
