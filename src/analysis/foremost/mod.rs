@@ -86,7 +86,9 @@ impl Foremost {
             let clip = geometry.corners(id).map(|p| lens.clip_from_world * p.extend(1.0));
             parts(clip).filter_map(move |part| Flat::new(id, part, size, on_screen(faces)))
         });
-        Self { flats: flats.collect(), sound: is_sound(lens), size }
+        // A point of a surface with holes may not be there: rays decide then.
+        let sound = is_sound(lens) && !geometry.surfaces.have_holes();
+        Self { flats: flats.collect(), sound, size }
     }
 
     /// What the light sees at each of `points` (map coordinates).

@@ -1,6 +1,7 @@
 //! Every fragment over chosen texels, kept so that any offset, culling or layer can be resolved from
 //! one pass.
 
+use super::cut::Cut;
 use super::{Plane, PolygonOffset, Setup, Slots, depth_key};
 use crate::depth::DepthFormat;
 use crate::device::Device;
@@ -72,7 +73,7 @@ impl Fragments {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         let mut starts = vec![0u32; slots.len() + 1];
         for (rect, &(clip, vertices)) in slots.layout().rects().iter().zip(maps) {
-            for (t, triangle) in triangles.iter().zip(0..) {
+            for (t, triangle) in triangles.iter().zip(0u32..) {
                 let corners = t.map(|v| vertices[v as usize]);
                 let setup = Setup::in_space(device, rect.size, clip, corners);
                 let (id, turns) = (faces.len() as u32, setup.is_front());
@@ -80,9 +81,13 @@ impl Fragments {
                 if !surfaces.casts(triangle) {
                     continue;
                 }
+                let cut = Cut::of(device, &setup, surfaces, (triangle, *t));
+                let is_there = |x: u32, y: u32| {
+                    cut.as_ref().is_none_or(|cut| cut.is_there(x as f32, y as f32))
+                };
                 setup.cover(device, rect.size, Cull::None, |y, first, end| {
-                    let texels = rect.texel(first, y)..rect.texel(end, y);
-                    for slot in texels.filter_map(|t| slots.found(t)) {
+                    let there = (first..end).filter(|&x| is_there(x, y));
+                    for slot in there.filter_map(|x| slots.found(rect.texel(x, y))) {
                         pairs.push((slot as u32, id));
                         starts[slot + 1] += 1;
                     }

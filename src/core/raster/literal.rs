@@ -1,5 +1,6 @@
 //! Drawing triangle by triangle, pixel by pixel: the arbiter of the fast path.
 
+use super::cut::Cut;
 use super::{NO_TRIANGLE, Pass, Raster, Setup, Triangles, depth_key};
 use crate::device::Device;
 use glam::Vec4;
@@ -32,10 +33,14 @@ pub fn draw_each_of(device: &Device, pass: &Pass, triangles: &Triangles<'_>) -> 
         let corners = t.map(|v| triangles.clip[v as usize]);
         let setup = Setup::in_space(device, pass.size, pass.clip, corners);
         let depth = setup.offset_depth(device, pass.depth_buffer, pass.offset);
+        let cut = triangles.holes.and_then(|holes| Cut::of(device, &setup, holes, (id as u32, *t)));
         let drawn = setup.cover(device, pass.size, cull, |y, first, end| {
             let row = depth.row(y as f32);
             let start = y as usize * width as usize;
             for x in first..end {
+                if cut.as_ref().is_some_and(|cut| !cut.is_there(x as f32, y as f32)) {
+                    continue;
+                }
                 let z = row.at(x as f32);
                 let z = if device.clamp_frag_z { z.clamp(0.0, 1.0) } else { z };
                 let (key, at) = (key_of(z), start + x as usize);

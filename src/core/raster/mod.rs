@@ -10,6 +10,7 @@
 mod batch;
 mod bins;
 mod clip;
+mod cut;
 mod fragments;
 mod literal;
 pub mod passes;
@@ -25,7 +26,7 @@ mod triangle;
 use crate::depth::DepthFormat;
 use crate::device::{Device, OffsetUnit, SlopeNorm};
 pub use crate::scene::NO_TRIANGLE;
-use crate::scene::{Cull, Culls};
+use crate::scene::{Cull, Culls, Surfaces};
 use crate::shadow::Drawn;
 pub use crate::shadow::bias::PolygonOffset;
 use crate::view::ClipSpace;
@@ -70,13 +71,21 @@ pub struct Triangles<'a> {
     pub corners: &'a [[u32; 3]],
     /// Faces left out of each triangle, or all of it, where they do not agree; else those of the pass.
     pub culls: Option<&'a [Option<Cull>]>,
+    /// Where they have holes; `None` where none has any.
+    pub holes: Option<&'a Surfaces>,
 }
 
 impl<'a> Triangles<'a> {
     /// Triangles that are all drawn alike.
     #[must_use]
     pub const fn alike(clip: &'a [Vec4], corners: &'a [[u32; 3]]) -> Self {
-        Self { clip, corners, culls: None }
+        Self { clip, corners, culls: None, holes: None }
+    }
+
+    /// These triangles with the holes of their surfaces.
+    #[must_use]
+    pub fn with_holes(self, surfaces: &'a Surfaces) -> Self {
+        Self { holes: surfaces.have_holes().then_some(surfaces), ..self }
     }
 
     /// These triangles drawn as `culls` says, and the pass that goes with them.

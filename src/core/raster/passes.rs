@@ -109,7 +109,8 @@ impl MapRaster {
         let mut drawn = maps.map(|((map, rect), vertices_of)| {
             let none = Cull::None;
             let pass = Pass { size: rect.size, cull: none, depth_buffer, offset, clip: map.clip };
-            let triangles = Triangles::alike(&vertices_of.clip, &vertices.triangles);
+            let triangles = Triangles::alike(&vertices_of.clip, &vertices.triangles)
+                .with_holes(&vertices.surfaces);
             let (pass, triangles) = triangles.under(pass, &culls);
             (rect, draw_of(device, &pass, &triangles))
         });
@@ -260,7 +261,8 @@ fn draw_canvas(
         clip: ClipSpace::OPENGL,
     };
     let culls = vertices.surfaces.picture_culls(case.camera_cull);
-    let triangles = Triangles::alike(&vertices.camera_clip, &vertices.triangles);
+    let triangles =
+        Triangles::alike(&vertices.camera_clip, &vertices.triangles).with_holes(&vertices.surfaces);
     let (pass, triangles) = triangles.under(pass, &culls);
     draw_of(device, &pass, &triangles)
 }

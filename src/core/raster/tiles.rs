@@ -82,7 +82,9 @@ fn draw_over(
     triangles: &Triangles<'_>,
 ) {
     let [width, height] = pass.size;
-    if device.subpixel_bits > FINEST || width.max(height) > LARGEST {
+    // Fragments of surfaces with holes are asked one by one.
+    let literal = triangles.holes.is_some() || device.subpixel_bits > FINEST;
+    if literal || width.max(height) > LARGEST {
         *raster = draw_each_of(device, pass, triangles);
         return;
     }

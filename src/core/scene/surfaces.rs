@@ -158,6 +158,13 @@ impl Surfaces {
         !self.masked.is_empty()
     }
 
+    /// Whether an object casts and has holes.
+    #[must_use]
+    pub fn casts_with_holes(&self, object: u16) -> bool {
+        let coat = self.coats.get(usize::from(object));
+        coat.is_some_and(|coat| coat.surface.casts && coat.surface.mask.is_some())
+    }
+
     /// Where a triangle has holes; `None` where it has none.
     #[must_use]
     pub fn mask(&self, id: u32) -> Option<&Mask> {

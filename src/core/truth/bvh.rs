@@ -6,7 +6,8 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{BvhBuildParams, aabb::Aabb, ray::Ray};
 
 use super::cover::Contacts;
-use super::intersect::{Meeting, Segment};
+use super::holes::{Holes, Presence};
+use super::intersect::{Contact, Meeting, Segment};
 use super::{Answer, Faces, FirstHit, LightEnd, Receiver, SeenFaces, Truth};
 use crate::scene::Geometry;
 
@@ -31,6 +32,8 @@ pub struct Tracer {
     scale: f64,
     /// The largest |coordinate|.
     extent: f64,
+    /// Where surfaces have holes, if any has.
+    holes: Option<Box<Holes>>,
 }
 
 struct Leaf {
@@ -76,7 +79,8 @@ impl Tracer {
         let extent = low.abs().max(high.abs()).max_element();
         let centre = (low + high) / 2.0;
         let scale = power_of_two_below(2.0 / (high - low).max_element());
-        Self { corners, leaves, bvh: None, centre, scale, extent }
+        let holes = Holes::of(geometry);
+        Self { corners, leaves, bvh: None, centre, scale, extent, holes }
     }
 
     /// Grows the tree and puts the triangles in its order.
@@ -165,9 +169,32 @@ impl Tracer {
     pub fn hit_of(&self, id: u32, from: DVec3, to: DVec3) -> Option<f64> {
         let segment = self.segment(from, to);
         match segment.meet(id, &self.corners[id as usize]) {
-            Meeting::Contact(contact) if contact.is_inside() => Some(contact.t),
+            Meeting::Contact(contact) if self.stops(&segment, &contact) => Some(contact.t),
             Meeting::Miss | Meeting::Touching | Meeting::Contact(_) => None,
         }
+    }
+
+    /// Whether a contact passes through the inside of its triangle where that is certainly there.
+    fn stops(&self, segment: &Segment, contact: &Contact) -> bool {
+        contact.is_inside() && self.presence(segment, contact) == Presence::There
+    }
+
+    /// Whether a triangle is there at its contact.
+    fn presence(&self, segment: &Segment, contact: &Contact) -> Presence {
+        let corners = &self.corners[contact.triangle as usize];
+        let holes = self.holes.as_ref();
+        holes.map_or(Presence::There, |holes| holes.presence(segment, contact, corners))
+    }
+
+    /// Whether the segment of a receiver touches anything, or meets it, be it there or not.
+    pub(super) fn meets(&self, receiver: &Receiver, light_end: DVec3) -> bool {
+        let segment = self.segment(receiver.position, light_end);
+        let mut found = segment.is_void();
+        self.candidates(&segment, |leaf| {
+            let other = leaf.id != receiver.triangle;
+            found |= other && segment.meet(leaf.id, &leaf.corners) != Meeting::Miss;
+        });
+        found
     }
 
     /// Any triangle that blocks `receiver` with its inside, which alone makes its truth
@@ -179,7 +206,7 @@ impl Tracer {
         let blocks = |id: u32| {
             let meeting = || segment.meet(id, &self.corners[id as usize]);
             id != receiver.triangle
-                && matches!(meeting(), Meeting::Contact(contact) if contact.is_inside())
+                && matches!(meeting(), Meeting::Contact(contact) if self.stops(&segment, &contact))
         };
         if segment.is_void() || blocks(guess) {
             return (!segment.is_void()).then_some(guess);
@@ -212,7 +239,12 @@ impl Tracer {
                 Meeting::Miss => {}
                 Meeting::Touching => contacts.touch(),
                 Meeting::Contact(contact) if counts(drawn.of(leaf.id), contact.facing()) => {
-                    contacts.add(contact);
+                    match self.presence(segment, &contact) {
+                        Presence::There => contacts.add(contact),
+                        Presence::Hole => {}
+                        // As if it met nothing but an edge: it neither blocks nor lets through.
+                        Presence::Unsure => contacts.add(Contact { signs: [0; 3], ..contact }),
+                    }
                 }
                 Meeting::Contact(_) => {}
             }

@@ -29,6 +29,7 @@
 mod answers;
 mod bvh;
 mod cover;
+mod holes;
 mod intersect;
 pub mod izb;
 mod orient;

@@ -96,6 +96,7 @@ pub fn truths_with(
         (0..receivers.len() as u32).collect()
     };
     job.leftovers(&left, &mut answers);
+    job.holes(&mut answers);
     (answers, job.work)
 }
 
@@ -254,8 +255,28 @@ impl Job<'_> {
         order.into_par_iter().map(run).collect()
     }
 
-    /// The triangles that cast, in runs.
+    /// The triangles that cast and have no holes, in runs.
     fn casters(&self) -> Vec<Range<u32>> {
-        self.geometry.surfaces.casters(self.geometry.triangles.len() as u32)
+        let surfaces = &self.geometry.surfaces;
+        let mut runs = surfaces.casters(self.geometry.triangles.len() as u32);
+        runs.retain(|ids| surfaces.mask(ids.start).is_none());
+        runs
+    }
+
+    /// Receivers whose segments meet a caster with holes are answered anew, by the rays.
+    fn holes(&self, answers: &mut Answers) {
+        let Self { geometry, receivers, light, .. } = *self;
+        if !geometry.surfaces.have_holes() {
+            return;
+        }
+        let casts = |object: u16| geometry.surfaces.casts_with_holes(object);
+        let cut = Tracer::with_objects(geometry, casts);
+        let meets = |&k: &u32| {
+            let receiver = &receivers[k as usize];
+            cut.meets(receiver, light.of(receiver.position))
+        };
+        let all = (0..receivers.len() as u32).into_par_iter().with_min_len(256);
+        let met: Vec<u32> = all.filter(meets).collect();
+        self.leftovers(&met, answers);
     }
 }
