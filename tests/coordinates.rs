@@ -84,7 +84,6 @@ fn fits_see_what_is_drawn_and_what_is_in_focus() {
     let stray = case(&stray, sun, |_| {}).expect("a case");
     assert_eq!((stray.light.clone(), stray.camera), (plain.light.clone(), plain.camera));
     let told = |case: &Case, word: &str| case.assumptions.iter().any(|note| note.contains(word));
-    assert!(told(&stray, "1 vertices that no triangle names"), "{:?}", stray.assumptions);
 
     let focus = |file: &mut SceneFile| file.focus = Some("plate".into());
     let plate = case(&format!("{FLOOR}{PLATE}"), sun, focus).expect("a case");

@@ -40,7 +40,7 @@ fn counts_at_the_documents_bias_are_the_reports() {
                 let sides = ["false_shadow", "false_light"];
                 sides.iter().map(|s| case[*s]["by_cause"][name].as_u64().unwrap()).sum()
             };
-            let names = ["bias", "sampling", "arithmetic", "quantization", "filter"];
+            let names = ["culling", "bias", "sampling", "arithmetic", "quantization", "filter"];
             assert_eq!(tally.causes, names.map(cause), "causes of {}", explorer.id);
         }
     }

@@ -7,7 +7,7 @@ mod light;
 mod parallel;
 
 use super::config::{Settings, parsed};
-use super::{LoadedScene, Part};
+use super::{LoadedScene, LoadedShadow, Part};
 use bounds::Bounds;
 pub use bounds::GROUND;
 use glam::{DVec3, Mat4};
@@ -115,11 +115,23 @@ fn fitted(name: &str, mut scene: LoadedScene, settings: &Settings) -> Result<Cas
     };
     let Lit { light, size, shadow } = fit.light()?;
     let camera = camera::camera(&bounds, &scene, settings, canvas, &mut assumptions)?;
-    let bias = settings.lookup.bias.or(shadow.and_then(|shadow| shadow.bias)).unwrap_or(0.0);
+    let bias =
+        settings.lookup.bias.or(shadow.as_ref().and_then(|shadow| shadow.bias)).unwrap_or(0.0);
     if !bias.is_finite() {
         return Err(Error::bad_input("lookup.bias", "is not finite", "give a number"));
     }
-    let (filter, compare, wrap, own_cull, device) = settings.choices()?;
+    let (own_filter, compare, wrap, own_cull, device) = settings.choices()?;
+    let filter = match (scene.filter, &settings.lookup.filter) {
+        (Some(word), None) => {
+            skipped.push(format!(
+                "renderer.shadowMap.type, which the file does not hold: taken as PCFShadowMap, three.js' \
+                 default (lookup.filter = \"{word}\"; BasicShadowMap is \"nearest\")"
+            ));
+            word.parse().unwrap_or(own_filter)
+        }
+        (Some(_) | None, _) => own_filter,
+    };
+    skipped.extend(shadow.iter().flat_map(LoadedShadow::unapplied));
     let cull = match (scene.cull, &settings.map.cull) {
         (Some(word), None) => word.parse().unwrap_or_else(|_| {
             skipped.push(format!("the map leaves no faces out, its engine would ({word})"));

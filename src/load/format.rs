@@ -173,6 +173,7 @@ pub(super) fn of(path: &Path, bytes: &[u8]) -> Result<Format> {
         "obj" => Ok(Format::Obj),
         "ply" => Ok(Format::Ply),
         "stl" => Ok(Format::Stl),
+        "json" => Ok(Format::Three),
         _ if super::stl_file::is_stl(bytes) => Ok(Format::Stl),
         _ => Err(Error::bad_input(
             place,

@@ -48,6 +48,9 @@ pub struct LoadedScene {
     /// The faces that the file's engine leaves out of maps, as `map.cull` names them; none where the file
     /// says nothing of it.
     pub cull: Option<&'static str>,
+    /// The filter that the file's engine uses unless it is told otherwise, as `lookup.filter` names it;
+    /// none where the file names no engine.
+    pub filter: Option<&'static str>,
     /// What was left out, or taken otherwise than an engine would, and can change a shadow, each as a
     /// sentence that is said once.
     pub skipped: Vec<String>,
@@ -128,6 +131,19 @@ pub struct LoadedShadow {
     pub normal_bias: f64,
     /// Filter radius in the engine's own unit.
     pub radius: f64,
+}
+
+impl LoadedShadow {
+    /// What of it is not applied, each as a sentence.
+    fn unapplied(&self) -> Vec<String> {
+        let normal = (self.normal_bias != 0.0).then(|| {
+            format!("shadow.normalBias of {}: one knob is measured at a time", self.normal_bias)
+        });
+        let radius = (self.radius != 1.0).then(|| {
+            format!("shadow.radius of {}: the filter is taken as of radius 1", self.radius)
+        });
+        normal.into_iter().chain(radius).collect()
+    }
 }
 
 /// A camera's lens.

@@ -227,6 +227,7 @@ impl<'a> SceneReader<'a, '_, '_> {
         }
         let (cull, word) = self.library.cull();
         self.scene.cull = Some(cull);
+        self.scene.filter = Some("vogel5-bilinear-ign");
         self.scene.skipped.extend(word);
         self.scene
     }

@@ -7,9 +7,9 @@ crate::catalogue! {
     pub enum Tiling {
         /// The border texel goes on for ever.
         Clamp = "clamp-to-edge",
-        /// It repeats.
+        /// The texture repeats.
         Repeat = "repeat",
-        /// It repeats, every second one mirrored.
+        /// The texture repeats, every second time mirrored.
         Mirror = "mirrored-repeat",
     }
 }

@@ -33,7 +33,7 @@ struct Coat {
 /// Which faces a pass leaves out of each triangle.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Culls {
-    /// The same of every triangle.
+    /// Every triangle alike.
     Alike(Cull),
     /// By triangle id; `None` leaves the triangle out.
     Each(Arc<[Option<Cull>]>),

@@ -33,7 +33,7 @@ pub(super) struct Holes {
 }
 
 impl Holes {
-    /// Those of a geometry; `None` where nothing has holes.
+    /// The surfaces of a geometry; `None` where nothing has holes.
     pub(super) fn of(geometry: &Geometry) -> Option<Box<Self>> {
         let surfaces = geometry.surfaces.clone();
         let holes = || Box::new(Self { surfaces, triangles: geometry.triangles.clone() });

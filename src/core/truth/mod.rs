@@ -120,7 +120,7 @@ crate::catalogue! {
 /// Which sides of which triangles count, as seen from the start of the segment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SeenFaces {
-    /// The same of every triangle.
+    /// Every triangle alike.
     Alike(Faces),
     /// By triangle id; `None` of one that never counts.
     Each(Vec<Option<Faces>>),
