@@ -124,7 +124,7 @@ impl<'a> Source<'a> {
         Ok(self.kept(values))
     }
 
-    /// Those of all elements that are read.
+    /// Gives all elements that are read.
     fn kept<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
         match self.keep {
             Some(keep) => keep.iter().filter_map(|&i| values.get(i as usize).copied()).collect(),

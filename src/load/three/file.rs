@@ -46,7 +46,7 @@ pub(super) struct Buffers {
     pub(super) morph_attributes: Option<serde::de::IgnoredAny>,
 }
 
-/// Those attributes that a shadow asks for.
+/// The attributes that a shadow asks for.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Attributes {
