@@ -13,7 +13,8 @@ pub use bounds::GROUND;
 use glam::{DVec3, Mat4};
 use gnomon_core::scene::chain::MatrixChain;
 use gnomon_core::scene::{
-    Case, CoordForm, Cull, DepthBuffer, LookupSpec, MapSpec, Object, Shading, TexelFormat,
+    Case, CoordForm, Cull, CullRule, DepthBuffer, Filter, LookupSpec, MapSpec, Object, Shading,
+    TexelFormat,
 };
 use gnomon_core::view::length;
 use gnomon_core::{Error, Result};
@@ -82,6 +83,27 @@ fn sized(key: &str, sides: [u32; 2]) -> Result<()> {
     }
 }
 
+/// Filter and culling as the settings say, else as the file's engine has them.
+fn of_engine(
+    scene: &LoadedScene,
+    settings: &Settings,
+    (filter, cull): (Filter, CullRule),
+    skipped: &mut Vec<String>,
+) -> (Filter, CullRule) {
+    let cull_of_engine = scene.cull.filter(|_| settings.map.cull.is_none());
+    let filter_of_engine = scene.filter.filter(|_| settings.lookup.filter.is_none());
+    skipped.extend(filter_of_engine.map(|word| {
+        format!(
+            "renderer.shadowMap.type, which the file does not hold: taken as PCFShadowMap, three.js' \
+             default (lookup.filter = \"{word}\"; BasicShadowMap is \"nearest\")"
+        )
+    }));
+    (
+        filter_of_engine.and_then(|word| word.parse().ok()).unwrap_or(filter),
+        cull_of_engine.and_then(|word| word.parse().ok()).unwrap_or(cull),
+    )
+}
+
 fn fitted(name: &str, mut scene: LoadedScene, settings: &Settings) -> Result<Case> {
     let canvas = settings.canvas.unwrap_or([512, 512]);
     sized("canvas", canvas)?;
@@ -103,7 +125,7 @@ fn fitted(name: &str, mut scene: LoadedScene, settings: &Settings) -> Result<Cas
     let (mut assumptions, mut skipped) = (scene.notes.clone(), scene.skipped.clone());
     assumptions.extend(match bounds::strays(&scene) {
         0 => None,
-        count => Some(format!("{count} vertices that no triangle names are ignored")),
+        count => Some(format!("vertices that no triangle names are ignored: {count}")),
     });
     assumptions.extend(focus.map(|focus| format!("light and camera are fitted to '{focus}'")));
     let fit = &mut Fit {
@@ -120,25 +142,9 @@ fn fitted(name: &str, mut scene: LoadedScene, settings: &Settings) -> Result<Cas
     if !bias.is_finite() {
         return Err(Error::bad_input("lookup.bias", "is not finite", "give a number"));
     }
-    let (own_filter, compare, wrap, own_cull, device) = settings.choices()?;
-    let filter = match (scene.filter, &settings.lookup.filter) {
-        (Some(word), None) => {
-            skipped.push(format!(
-                "renderer.shadowMap.type, which the file does not hold: taken as PCFShadowMap, three.js' \
-                 default (lookup.filter = \"{word}\"; BasicShadowMap is \"nearest\")"
-            ));
-            word.parse().unwrap_or(own_filter)
-        }
-        (Some(_) | None, _) => own_filter,
-    };
+    let (filter, compare, wrap, cull, device) = settings.choices()?;
+    let (filter, cull) = of_engine(&scene, settings, (filter, cull), &mut skipped);
     skipped.extend(shadow.iter().flat_map(LoadedShadow::unapplied));
-    let cull = match (scene.cull, &settings.map.cull) {
-        (Some(word), None) => word.parse().unwrap_or_else(|_| {
-            skipped.push(format!("the map leaves no faces out, its engine would ({word})"));
-            own_cull
-        }),
-        (Some(_) | None, _) => own_cull,
-    };
     let chain = parsed("pipeline.chain", &settings.pipeline.chain, MatrixChain::World)?;
     let object = |Part { name, mesh, model, surface }| {
         Object::new(shown(&name), mesh, Mat4::IDENTITY).placed(model).with_surface(surface)
