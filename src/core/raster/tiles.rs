@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 const LARGEST: u32 = 1 << 16;
 
 /// Draws triangles in order with depth test LESS into a buffer cleared to 1, on all of rayon's
-/// threads: bit for bit what [`draw_each`] writes.
+/// threads: bit for bit what [`draw_each`](super::draw_each) writes.
 #[must_use]
 pub fn draw(device: &Device, pass: &Pass, clip: &[Vec4], triangles: &[[u32; 3]]) -> Raster {
     draw_at(quickest(), device, pass, clip, triangles)
